@@ -1,0 +1,165 @@
+//! The waist of the program: everything a picture or a glTF file needs, resolved. No scene file, seed, species or
+//! probability is known from here on; the rasteriser and the exporter see nothing else. Types only.
+//!
+//! Metres, right-handed, +Y up; the trunk meets the ground at the origin.
+
+use crate::base::mesh::Mesh;
+use crate::base::vector::{Affine, Vec3};
+
+/// A picture that materials read: 8-bit sRGB, opaque, rows from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texture {
+    /// Unique name, `[a-z0-9_-]`.
+    pub name: String,
+    /// Pixels in a row, a power of two.
+    pub width: u32,
+    /// Rows, a power of two.
+    pub height: u32,
+    /// Red, green and blue of each pixel.
+    pub pixels: Vec<[u8; 3]>,
+    /// Whether the picture repeats beyond 0..1 (else its rim continues).
+    pub repeat: bool,
+}
+
+/// How a surface answers light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Unique name, `[a-z0-9_-]`.
+    pub name: String,
+    /// Diffuse reflectance, linear sRGB 0..1; multiplies `reflected`.
+    pub colour: [f32; 3],
+    /// Number of the texture of diffuse reflectance.
+    pub reflected: Option<u32>,
+    /// Diffuse transmittance, linear sRGB 0..1; multiplies `transmitted`. Zero for an opaque surface.
+    pub transmission: [f32; 3],
+    /// Number of the texture of diffuse transmittance.
+    pub transmitted: Option<u32>,
+    /// Reflectance of the side turned away from the normals, relative to the front.
+    pub back_gain: f32,
+    /// Fresnel reflectance at normal incidence of the gloss lobe; 0 for none.
+    pub gloss: f32,
+    /// Roughness of the gloss lobe, 0..1 (GGX alpha is its square).
+    pub roughness: f32,
+    /// Whether both sides are drawn.
+    pub two_sided: bool,
+}
+
+/// One mesh in one material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Part {
+    /// Number of the mesh.
+    pub mesh: u32,
+    /// Number of the material.
+    pub material: u32,
+}
+
+/// Meshes that are placed together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// Unique name, `[a-z0-9_-]`: `trunk`, `leaf_red_0`.
+    pub name: String,
+    /// What it is made of.
+    pub parts: Vec<Part>,
+}
+
+/// A model at a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Instance {
+    /// Number of the model.
+    pub model: u32,
+    /// From the model's to the world's coordinates; no shear, one positive scale.
+    pub transform: Affine,
+    /// The leaf's stable id; `None` for wood.
+    pub leaf: Option<u64>,
+}
+
+/// A pinhole camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// The eye, metres.
+    pub position: Vec3,
+    /// The point in the middle of the picture, metres.
+    pub target: Vec3,
+    /// Angle from the picture's lower to its upper rim, radians.
+    pub field_of_view: f32,
+}
+
+/// The sun: parallel light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sun {
+    /// Unit vector towards the sun.
+    pub direction: Vec3,
+    /// Irradiance on a surface that faces it, linear sRGB; zero for no sun.
+    pub irradiance: [f32; 3],
+}
+
+/// Light from the whole hemisphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sky {
+    /// Radiance at the zenith, linear sRGB.
+    pub zenith: [f32; 3],
+    /// Radiance at the horizon, linear sRGB.
+    pub horizon: [f32; 3],
+}
+
+/// The level ground at height 0, drawn to the horizon. Not part of an exported asset.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ground {
+    /// Number of the texture of diffuse reflectance; repeats.
+    pub texture: u32,
+    /// Metres that one repeat of the texture covers.
+    pub tile: f32,
+    /// Distance at which haze hides all but 1/e of the ground, metres.
+    pub haze: f32,
+}
+
+/// How radiance becomes a displayed colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ToneMap {
+    /// Khronos PBR Neutral.
+    Neutral,
+    /// Clipping only: for tests of colour.
+    None,
+}
+
+/// The picture to draw.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Samples a pixel: 1, 4, 8 or 16.
+    pub samples: u32,
+    /// Pixels along one side of the sun's shadow map; 0 for no shadow.
+    pub shadow_size: u32,
+    /// Factor on radiance before tone mapping.
+    pub exposure: f32,
+    /// The curve after it.
+    pub tone_map: ToneMap,
+}
+
+/// A resolved moment: what the two outputs are made of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Meshes, each stored once.
+    pub meshes: Vec<Mesh>,
+    /// Textures, each stored once.
+    pub textures: Vec<Texture>,
+    /// Materials.
+    pub materials: Vec<Material>,
+    /// Models.
+    pub models: Vec<Model>,
+    /// Everything that stands in the scene, wood first, leaves in the order of their sites.
+    pub instances: Vec<Instance>,
+    /// The camera.
+    pub camera: Camera,
+    /// The sun.
+    pub sun: Sun,
+    /// The sky.
+    pub sky: Sky,
+    /// The ground, if there is one.
+    pub ground: Option<Ground>,
+    /// The picture.
+    pub view: View,
+}

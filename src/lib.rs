@@ -1,0 +1,24 @@
+//! Trees in season, from a scene file to pictures and glTF, with nobody at the keyboard.
+//!
+//! ```text
+//! scene.toml ─read→ Scene ─plan→ Plan ─┬─grow───→ Tree ────────┐
+//!                                      ├─assign─→ LeafStates ──┤   cheap: run first, and narrow the Plan
+//!                                      ├─model──→ Blade ───────┤
+//!                                      ├─deform─→ Shapes ──────┤
+//!                                      └─paint──→ Textures ────┴─compose→ Frame ─┬─raster→ Picture → PNG
+//!                                                                                └─export→ glTF
+//!                       every stage also returns its figures ───────────────→ Report
+//! ```
+//!
+//! Each stage is a folder with its `Settings`, a `check` and one public function; stages are pure and know only `base`.
+//! [`frame::Frame`] is the waist between what is simulated and what is drawn. `run` alone touches disk, clock and threads.
+//!
+//! The method is that of Tang, Wu and Fan, "Computational Approach to Seasonal Changes of Living Leaves" (2013).
+
+pub mod base;
+pub mod colour;
+pub mod deform;
+pub mod frame;
+pub mod leaf;
+pub mod season;
+pub mod tree;

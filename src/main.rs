@@ -1,0 +1,2 @@
+//! The `leafseason` command.
+fn main() {}
