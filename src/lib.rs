@@ -20,5 +20,6 @@ pub mod colour;
 pub mod deform;
 pub mod frame;
 pub mod leaf;
+pub mod raster;
 pub mod season;
 pub mod tree;

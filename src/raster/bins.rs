@@ -1,0 +1,115 @@
+//! Clusters sorted into the tiles that they may touch.
+
+use super::cluster::ClusteredMesh;
+use super::coverage::SIDE;
+use super::projection::Projection;
+use crate::base::vector::Vec3;
+use crate::frame::{Frame, Instance};
+use rayon::prelude::*;
+
+/// Instances that one task bins; fixed, so that the order of items does not depend on the threads.
+const CHUNK: usize = 1024;
+
+/// A cluster of an instance.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Item {
+    /// Number of the instance.
+    pub instance: u32,
+    /// Number of the mesh.
+    pub mesh: u32,
+    /// Number of the material.
+    pub material: u32,
+    /// Number of the cluster in its mesh.
+    pub cluster: u32,
+    /// Largest nearness that its sphere can have.
+    pub nearness: f32,
+    /// Box of pixels that holds it: left, top, right, bottom, inclusive.
+    pub bounds: [i32; 4],
+}
+
+/// The items of every tile.
+pub(super) struct Bins {
+    /// Tiles in a row.
+    pub columns: usize,
+    /// Rows of tiles.
+    pub rows: usize,
+    /// All items that touch the picture.
+    pub items: Vec<Item>,
+    tiles: Vec<Vec<u32>>,
+}
+
+impl Bins {
+    /// Bins every instance of a frame for a picture of `width` x `height` pixels.
+    pub(super) fn new(
+        frame: &Frame,
+        meshes: &[ClusteredMesh],
+        projection: &Projection,
+        width: u32,
+        height: u32,
+    ) -> Self {
+        let (columns, rows) = ((width as usize).div_ceil(SIDE), (height as usize).div_ceil(SIDE));
+        let limits = [width as i32 - 1, height as i32 - 1];
+        let chunks: Vec<Vec<Item>> = frame
+            .instances
+            .par_chunks(CHUNK)
+            .enumerate()
+            .map(|(chunk, instances)| {
+                let mut items = Vec::new();
+                for (offset, instance) in instances.iter().enumerate() {
+                    let number = (chunk * CHUNK + offset) as u32;
+                    push_items(frame, meshes, projection, limits, number, instance, &mut items);
+                }
+                items
+            })
+            .collect();
+        let items = chunks.concat();
+        let mut tiles = vec![Vec::new(); columns * rows];
+        for (number, item) in items.iter().enumerate() {
+            let [left, top, right, bottom] = item.bounds.map(|edge| edge as usize / SIDE);
+            for row in top..=bottom {
+                for column in left..=right {
+                    tiles[row * columns + column].push(number as u32);
+                }
+            }
+        }
+        let nearest_first =
+            |a: &u32, b: &u32| items[*b as usize].nearness.total_cmp(&items[*a as usize].nearness).then(a.cmp(b));
+        tiles.par_iter_mut().for_each(|tile: &mut Vec<u32>| tile.sort_unstable_by(nearest_first));
+        Self { columns, rows, items, tiles }
+    }
+
+    /// The items of a tile, nearest first, ties by number.
+    pub(super) fn tile(&self, column: usize, row: usize) -> &[u32] {
+        &self.tiles[row * self.columns + column]
+    }
+}
+
+fn push_items(
+    frame: &Frame,
+    meshes: &[ClusteredMesh],
+    projection: &Projection,
+    limits: [i32; 2],
+    number: u32,
+    instance: &Instance,
+    items: &mut Vec<Item>,
+) {
+    let scale = instance.transform.linear.column(0).norm();
+    for part in &frame.models[instance.model as usize].parts {
+        for (cluster_number, cluster) in meshes[part.mesh as usize].clusters.iter().enumerate() {
+            let centre: Vec3 = instance.transform.point(cluster.centre);
+            let Some((bounds, nearness)) = projection.sphere_bounds(centre, cluster.radius * scale) else { continue };
+            let [left, top, right, bottom] = bounds.map(|edge| edge.floor() as i32);
+            if right < 0 || bottom < 0 || left > limits[0] || top > limits[1] {
+                continue;
+            }
+            items.push(Item {
+                instance: number,
+                mesh: part.mesh,
+                material: part.material,
+                cluster: cluster_number as u32,
+                nearness,
+                bounds: [left.max(0), top.max(0), right.min(limits[0]), bottom.min(limits[1])],
+            });
+        }
+    }
+}

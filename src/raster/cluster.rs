@@ -1,0 +1,94 @@
+//! Meshes cut into clusters: what is binned, transformed and rejected as one.
+
+use crate::base::mesh::Mesh;
+use crate::base::vector::Vec3;
+
+/// Most triangles of a cluster: whole leaves stay in one piece.
+const LARGEST: usize = 512;
+/// Triangles of a cluster of a larger mesh: a few centimetres of a branch.
+const USUAL: usize = 96;
+
+/// Some triangles of a mesh with the vertices they use.
+#[derive(Clone, Debug)]
+pub(super) struct Cluster {
+    /// Centre of a sphere that holds the cluster, model coordinates.
+    pub centre: Vec3,
+    /// Radius of that sphere.
+    pub radius: f32,
+    /// The mesh's numbers of the vertices used.
+    pub vertices: Vec<u32>,
+    /// Their positions, model coordinates.
+    pub positions: Vec<Vec3>,
+    /// Triangles as places in `vertices`.
+    pub triangles: Vec<[u16; 3]>,
+}
+
+/// A mesh as clusters.
+#[derive(Clone, Debug)]
+pub(super) struct ClusteredMesh {
+    /// The clusters, in the order of the mesh's triangles.
+    pub clusters: Vec<Cluster>,
+    /// Area of all triangles, square metres.
+    pub area: f32,
+    /// Texture units a metre, for the choice of mip level.
+    pub uv_per_metre: f32,
+}
+
+impl ClusteredMesh {
+    /// Cuts a mesh.
+    pub(super) fn new(mesh: &Mesh) -> Self {
+        let size = if mesh.triangles.len() <= LARGEST { LARGEST } else { USUAL };
+        let area = mesh.area() as f32;
+        let uv_area: f32 = mesh
+            .triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.map(|v| mesh.uvs[v as usize]);
+                (b - a).perp(&(c - a)).abs() * 0.5
+            })
+            .sum();
+        let uv_per_metre = if area > 0.0 { (uv_area / area).sqrt() } else { 0.0 };
+        Self { clusters: mesh.triangles.chunks(size).map(|part| cut(mesh, part)).collect(), area, uv_per_metre }
+    }
+}
+
+fn cut(mesh: &Mesh, triangles: &[[u32; 3]]) -> Cluster {
+    let mut vertices: Vec<u32> = triangles.iter().flatten().copied().collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let place = |v: u32| vertices.binary_search(&v).unwrap_or_default() as u16;
+    let local = triangles.iter().map(|t| t.map(place)).collect();
+    let positions: Vec<Vec3> = vertices.iter().map(|&v| mesh.positions[v as usize]).collect();
+    let first = positions.first().copied().unwrap_or_default();
+    let (low, high) = positions.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
+    let centre = (low + high) * 0.5;
+    let radius = positions.iter().map(|p| (p - centre).norm()).fold(0.0, f32::max);
+    Cluster { centre, radius, vertices, positions, triangles: local }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::vector::Vec2;
+
+    #[test]
+    fn clusters_hold_every_triangle_inside_their_spheres() {
+        let mut mesh = Mesh::default();
+        for i in 0..700u32 {
+            let x = i as f32 * 0.1;
+            for (dx, dy) in [(0.0, 0.0), (0.1, 0.0), (0.0, 0.2)] {
+                mesh.positions.push(Vec3::new(x + dx, dy, 0.0));
+                mesh.normals.push(Vec3::z());
+                mesh.uvs.push(Vec2::new(x + dx, dy));
+            }
+            mesh.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
+        }
+        let cut = ClusteredMesh::new(&mesh);
+        assert_eq!(cut.clusters.iter().map(|c| c.triangles.len()).sum::<usize>(), 700);
+        assert!((cut.uv_per_metre - 1.0).abs() < 1e-3);
+        for cluster in &cut.clusters {
+            assert!(cluster.positions.iter().all(|p| (p - cluster.centre).norm() <= cluster.radius * 1.000_01));
+            assert!(cluster.triangles.iter().flatten().all(|&v| usize::from(v) < cluster.vertices.len()));
+        }
+    }
+}

@@ -1,0 +1,325 @@
+//! Which samples of a tile a triangle owns, and which of them it wins by depth.
+
+use super::samples::{SUBPIXEL, SUBPIXEL_BITS, pattern};
+use std::ops::{Add, BitOr, Mul, Sub};
+
+/// Pixels along one side of a tile.
+pub(super) const SIDE: usize = 64;
+/// Pixels along one side of a block, the unit of depth rejection.
+const BLOCK: usize = 8;
+/// Blocks along one side of a tile.
+const BLOCKS: usize = SIDE / BLOCK;
+/// Widest triangle, in pixels, whose edge values fit 32 bits: 2 x (64 x 256) x (65 x 256) < 2^31.
+const NARROW: i32 = 64;
+
+/// A vertex of a triangle: 1/256 pixels from the tile's upper left corner, and a nearness.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Vertex {
+    /// To the right.
+    pub x: i32,
+    /// Down.
+    pub y: i32,
+    /// Larger is nearer; linear over the picture on a plane.
+    pub nearness: f32,
+}
+
+/// What is nearest at every sample of a tile.
+#[derive(Clone, Debug)]
+pub(super) struct Nearest<const S: usize> {
+    /// The nearness at each sample, pixel by pixel, row by row.
+    pub nearness: Vec<[f32; S]>,
+    /// Who it belongs to.
+    pub owner: Vec<[u32; S]>,
+    pattern: [[i32; 2]; S],
+    /// The smallest nearness in each block, when its bit in `stale` is clear.
+    farthest: [f32; BLOCKS * BLOCKS],
+    stale: u64,
+}
+
+/// An integer wide enough for a triangle's edge values.
+trait EdgeValue: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + BitOr<Output = Self> {
+    fn from_i32(value: i32) -> Self;
+    fn is_negative(self) -> bool;
+}
+
+impl EdgeValue for i32 {
+    fn from_i32(value: i32) -> Self {
+        value
+    }
+    fn is_negative(self) -> bool {
+        self < 0
+    }
+}
+
+impl EdgeValue for i64 {
+    fn from_i32(value: i32) -> Self {
+        Self::from(value)
+    }
+    fn is_negative(self) -> bool {
+        self < 0
+    }
+}
+
+/// The triangle's edges as functions that are not negative inside, at one pixel's corner, with their steps.
+struct Edges<E, const S: usize> {
+    at: [E; 3],
+    right: [E; 3],
+    down: [E; 3],
+    samples: [[E; S]; 3],
+}
+
+/// The nearness over the triangle's plane.
+struct Plane<const S: usize> {
+    at: f32,
+    right: f32,
+    down: f32,
+    samples: [f32; S],
+    low: f32,
+    high: f32,
+}
+
+impl<const S: usize> Nearest<S> {
+    /// A tile in which `owner` stands everywhere at the nearness given for each sample's position in pixels.
+    pub(super) fn new(background: impl Fn(f32, f32) -> (f32, u32)) -> Self {
+        let pattern = pattern::<S>();
+        let mut nearness = Vec::with_capacity(SIDE * SIDE);
+        let mut owner = Vec::with_capacity(SIDE * SIDE);
+        for (y, x) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (y, x))) {
+            let at = |s: usize| {
+                let [sx, sy] = pattern[s].map(|step| step as f32 / SUBPIXEL as f32);
+                background(x as f32 + sx, y as f32 + sy)
+            };
+            let values: [(f32, u32); S] = std::array::from_fn(at);
+            nearness.push(values.map(|v| v.0));
+            owner.push(values.map(|v| v.1));
+        }
+        Self { nearness, owner, pattern, farthest: [0.0; BLOCKS * BLOCKS], stale: u64::MAX }
+    }
+
+    /// Whether something no nearer than `nearness` would be hidden everywhere in a box of pixels (left, top, right,
+    /// bottom; inclusive, inside the tile).
+    pub(super) fn hides(&mut self, bounds: [usize; 4], nearness: f32) -> bool {
+        let [left, top, right, bottom] = bounds.map(|edge| edge / BLOCK);
+        (top..=bottom).all(|row| (left..=right).all(|column| self.block_farthest(row * BLOCKS + column) > nearness))
+    }
+
+    fn block_farthest(&mut self, block: usize) -> f32 {
+        if self.stale >> block & 1 == 1 {
+            let first = block / BLOCKS * BLOCK * SIDE + block % BLOCKS * BLOCK;
+            let mut low = [f32::MAX; S];
+            for row in 0..BLOCK {
+                for pixel in &self.nearness[first + row * SIDE..][..BLOCK] {
+                    for (least, value) in low.iter_mut().zip(pixel) {
+                        *least = if value < least { *value } else { *least };
+                    }
+                }
+            }
+            self.farthest[block] = low.iter().copied().fold(f32::MAX, f32::min);
+            self.stale &= !(1 << block);
+        }
+        self.farthest[block]
+    }
+
+    /// Draws a triangle of either winding; says whether it won a sample.
+    pub(super) fn draw(&mut self, triangle: [Vertex; 3], owner: u32) -> bool {
+        let [a, b, c] = triangle;
+        let low_x = a.x.min(b.x).min(c.x);
+        let high_x = a.x.max(b.x).max(c.x);
+        let low_y = a.y.min(b.y).min(c.y);
+        let high_y = a.y.max(b.y).max(c.y);
+        let last = SIDE as i32 - 1;
+        let left = (low_x >> SUBPIXEL_BITS).max(0);
+        let right = (high_x >> SUBPIXEL_BITS).min(last);
+        let top = (low_y >> SUBPIXEL_BITS).max(0);
+        let bottom = (high_y >> SUBPIXEL_BITS).min(last);
+        if left > right || top > bottom {
+            return false;
+        }
+        let doubled_area = i64::from(b.x - a.x) * i64::from(c.y - a.y) - i64::from(c.x - a.x) * i64::from(b.y - a.y);
+        if doubled_area == 0 {
+            return false;
+        }
+        let positive = if doubled_area > 0 { [a, b, c] } else { [a, c, b] };
+        let bounds = [left, top, right, bottom].map(|edge| edge as usize);
+        let plane = self.plane(&positive, doubled_area.abs() as f32, bounds);
+        let narrow = NARROW * SUBPIXEL;
+        if high_x - low_x <= narrow && high_y - low_y <= narrow {
+            self.fill::<i32>(&positive, &plane, bounds, owner)
+        } else {
+            self.fill::<i64>(&positive, &plane, bounds, owner)
+        }
+    }
+
+    fn plane(&self, [a, b, c]: &[Vertex; 3], doubled_area: f32, bounds: [usize; 4]) -> Plane<S> {
+        let (bx, by) = ((b.x - a.x) as f32, (b.y - a.y) as f32);
+        let (cx, cy) = ((c.x - a.x) as f32, (c.y - a.y) as f32);
+        let (bz, cz) = (b.nearness - a.nearness, c.nearness - a.nearness);
+        let right = (bz * cy - cz * by) / doubled_area;
+        let down = (cz * bx - bz * cx) / doubled_area;
+        let x = bounds[0] as i32 * SUBPIXEL - a.x;
+        let y = bounds[1] as i32 * SUBPIXEL - a.y;
+        Plane {
+            at: a.nearness + right * x as f32 + down * y as f32,
+            right: right * SUBPIXEL as f32,
+            down: down * SUBPIXEL as f32,
+            samples: std::array::from_fn(|s| right * self.pattern[s][0] as f32 + down * self.pattern[s][1] as f32),
+            low: a.nearness.min(b.nearness).min(c.nearness),
+            high: a.nearness.max(b.nearness).max(c.nearness),
+        }
+    }
+
+    fn edges<E: EdgeValue>(&self, triangle: &[Vertex; 3], bounds: [usize; 4]) -> Edges<E, S> {
+        let zero = E::from_i32(0);
+        let mut edges = Edges { at: [zero; 3], right: [zero; 3], down: [zero; 3], samples: [[zero; S]; 3] };
+        for k in 0..3 {
+            let (from, to) = (triangle[k], triangle[(k + 1) % 3]);
+            let (dx, dy) = (to.x - from.x, to.y - from.y);
+            // Top-left rule: a sample on an edge belongs to the triangle whose top or left edge it is.
+            let owns = dy < 0 || (dy == 0 && dx > 0);
+            let bias = E::from_i32(i32::from(!owns));
+            let (dx, dy) = (E::from_i32(dx), E::from_i32(dy));
+            let x = E::from_i32(bounds[0] as i32 * SUBPIXEL - from.x);
+            let y = E::from_i32(bounds[1] as i32 * SUBPIXEL - from.y);
+            edges.at[k] = dx * y - dy * x - bias;
+            edges.right[k] = zero - dy * E::from_i32(SUBPIXEL);
+            edges.down[k] = dx * E::from_i32(SUBPIXEL);
+            edges.samples[k] = self.pattern.map(|[sx, sy]| dx * E::from_i32(sy) - dy * E::from_i32(sx));
+        }
+        edges
+    }
+
+    fn fill<E: EdgeValue>(&mut self, triangle: &[Vertex; 3], plane: &Plane<S>, bounds: [usize; 4], owner: u32) -> bool {
+        let edges = self.edges::<E>(triangle, bounds);
+        let [left, top, right, bottom] = bounds;
+        let mut row_at = edges.at;
+        let mut row_nearness = plane.at;
+        let mut won = false;
+        for y in top..=bottom {
+            let mut at = row_at;
+            let mut nearness = row_nearness;
+            for x in left..=right {
+                let place = y * SIDE + x;
+                if self.contest(place, &edges, at, plane, nearness, owner) {
+                    won = true;
+                    self.stale |= 1 << (y / BLOCK * BLOCKS + x / BLOCK);
+                }
+                at = std::array::from_fn(|k| at[k] + edges.right[k]);
+                nearness += plane.right;
+            }
+            row_at = std::array::from_fn(|k| row_at[k] + edges.down[k]);
+            row_nearness += plane.down;
+        }
+        won
+    }
+
+    /// One pixel: the samples inside all edges and nearer than what stood there change hands.
+    #[inline]
+    fn contest<E: EdgeValue>(
+        &mut self,
+        place: usize,
+        edges: &Edges<E, S>,
+        at: [E; 3],
+        plane: &Plane<S>,
+        nearness: f32,
+        owner: u32,
+    ) -> bool {
+        let stored = &mut self.nearness[place];
+        let owners = &mut self.owner[place];
+        let mut won = false;
+        for s in 0..S {
+            let inside = (at[0] + edges.samples[0][s]) | (at[1] + edges.samples[1][s]) | (at[2] + edges.samples[2][s]);
+            let value = nearness + plane.samples[s];
+            let value = if value < plane.low { plane.low } else { value };
+            let value = if value > plane.high { plane.high } else { value };
+            let wins = !inside.is_negative() & (value > stored[s]);
+            stored[s] = if wins { value } else { stored[s] };
+            owners[s] = if wins { owner } else { owners[s] };
+            won |= wins;
+        }
+        won
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn vertex(x: f64, y: f64, nearness: f32) -> Vertex {
+        Vertex { x: (x * 256.0) as i32, y: (y * 256.0) as i32, nearness }
+    }
+
+    fn count<const S: usize>(tile: &Nearest<S>, owner: u32) -> usize {
+        tile.owner.iter().flatten().filter(|&&o| o == owner).count()
+    }
+
+    #[test]
+    fn a_square_of_two_triangles_owns_each_sample_once() {
+        for (a, b, c, d) in [
+            ((3.0, 5.0), (40.5, 5.0), (40.5, 33.25), (3.0, 33.25)),
+            ((-90.0, -80.0), (200.0, -80.0), (200.0, 190.0), (-90.0, 190.0)),
+        ] {
+            let mut tile = Nearest::<8>::new(|_, _| (0.0, 0));
+            let [a, b, c, d] = [a, b, c, d].map(|(x, y)| vertex(x, y, 1.0));
+            assert!(tile.draw([a, b, c], 1));
+            assert!(tile.draw([a, d, c], 2));
+            let inside = |low: i32, high: i32| {
+                let (low, high) = (low.max(0), high.min(64 * 256));
+                pattern::<8>().len() as i32 * (high - low)
+            };
+            let expected = i64::from(inside(a.x, c.x)) * i64::from(c.y.min(64 * 256) - a.y.max(0)) / 65536;
+            let owned = (count(&tile, 1) + count(&tile, 2)) as i64;
+            assert!((owned - expected).abs() <= expected / 50, "{owned} of {expected}");
+            let before = tile.owner.clone();
+            assert!(!tile.draw([a, b, c], 3) && !tile.draw([a, d, c], 4), "every sample is owned already");
+            assert_eq!(before, tile.owner);
+        }
+    }
+
+    #[test]
+    fn nearer_wins_in_either_order() {
+        let far = [vertex(0.0, 0.0, 1.0), vertex(64.0, 0.0, 1.0), vertex(0.0, 64.0, 1.0)];
+        let near = far.map(|v| Vertex { nearness: 2.0, ..v });
+        for order in [[(far, 1), (near, 2)], [(near, 2), (far, 1)]] {
+            let mut tile = Nearest::<4>::new(|_, _| (0.0, 0));
+            for (triangle, owner) in order {
+                tile.draw(triangle, owner);
+            }
+            assert_eq!(count(&tile, 1), 0);
+            assert!(count(&tile, 2) > 64 * 64);
+        }
+    }
+
+    #[test]
+    fn area_is_covered_to_a_thousandth() {
+        let mut tile = Nearest::<16>::new(|_, _| (0.0, 0));
+        tile.draw([vertex(2.3, 1.7, 1.0), vertex(61.1, 12.9, 1.0), vertex(20.4, 60.6, 1.0)], 1);
+        let area = ((61.1f64 - 2.3) * (60.6 - 1.7) - (20.4 - 2.3) * (12.9 - 1.7)) / 2.0;
+        let measured = count(&tile, 1) as f64 / 16.0;
+        assert!((measured / area - 1.0).abs() < 1e-3, "{measured} against {area}");
+    }
+
+    #[test]
+    fn slanted_planes_interpolate_their_nearness() {
+        let mut tile = Nearest::<1>::new(|_, _| (0.0, 0));
+        tile.draw([vertex(0.0, 0.0, 0.0), vertex(64.0, 0.0, 64.0), vertex(0.0, 64.0, 0.0)], 1);
+        let at = tile.nearness[10 * SIDE + 20][0];
+        assert!((at - 20.5).abs() < 1e-3, "{at}");
+    }
+
+    #[test]
+    fn what_is_behind_a_full_block_is_hidden() {
+        let mut tile = Nearest::<8>::new(|_, _| (0.0, 0));
+        assert!(!tile.hides([0, 0, 15, 15], 1.0));
+        tile.draw([vertex(-70.0, -70.0, 2.0), vertex(90.0, -70.0, 2.0), vertex(-70.0, 90.0, 2.0)], 1);
+        assert!(tile.hides([0, 0, 7, 7], 1.0));
+        assert!(!tile.hides([0, 0, 7, 7], 2.5));
+        assert!(!tile.hides([0, 0, 63, 63], 1.0), "the far corner is open");
+    }
+
+    #[test]
+    fn degenerate_triangles_draw_nothing() {
+        let mut tile = Nearest::<8>::new(|_, _| (0.0, 0));
+        let line = [vertex(1.0, 1.0, 1.0), vertex(9.0, 9.0, 1.0), vertex(5.0, 5.0, 1.0)];
+        assert!(!tile.draw(line, 1));
+    }
+}

@@ -1,0 +1,120 @@
+//! The rasteriser: a [`Frame`] -> pixels, on the processor.
+//!
+//! 1. [`canopy`] sums the leaves into a coarse volume and gathers the light inside the crown from it;
+//! 2. [`shadow`] draws the sun's view into a depth map;
+//! 3. [`bins`] sorts clusters of triangles into tiles of the picture, nearest first;
+//! 4. [`tile`] finds, sample by sample, which triangle is seen, with the depths of 8 x 8 blocks to reject what is hidden;
+//! 5. [`shade`] lights what is seen, once a pixel and cluster; [`tone`] averages and encodes.
+//!
+//! Not a ray tracer: reflections, caustics and depth of field are not drawn. Tiles run in parallel and do not share
+//! anything that is written, so the bytes do not depend on the number of threads. Coverage is decided in fixed point
+//! (8 bits below a pixel, top-left rule), so two triangles that share an edge never both miss or both own a sample.
+
+mod atmosphere;
+mod bins;
+mod canopy;
+mod clip;
+mod cluster;
+mod coverage;
+mod draw;
+mod projection;
+mod samples;
+mod shade;
+mod shadow;
+mod texture;
+mod tile;
+mod tone;
+
+use crate::base::figures::{ErrorFigure, Figures};
+use crate::base::picture::Picture;
+use crate::frame::Frame;
+use atmosphere::Atmosphere;
+use bins::Bins;
+use canopy::Canopy;
+use cluster::ClusteredMesh;
+use projection::Projection;
+use rayon::prelude::*;
+use shadow::ShadowMap;
+use texture::MipMap;
+use tone::Tone;
+
+/// Everything the tiles read: made once a frame.
+struct Prepared<'a> {
+    frame: &'a Frame,
+    meshes: Vec<ClusteredMesh>,
+    textures: Vec<MipMap>,
+    atmosphere: Atmosphere,
+    canopy: Option<Canopy>,
+    shadow: Option<ShadowMap>,
+    projection: Projection,
+    tone: Tone,
+}
+
+/// Draws a frame. Meshes must pass their `check`; `frame.view` has at least one pixel and 1, 4, 8 or 16 samples.
+#[must_use]
+pub fn draw(frame: &Frame) -> (Picture, Figures) {
+    let view = frame.view;
+    let meshes: Vec<ClusteredMesh> = frame.meshes.par_iter().map(ClusteredMesh::new).collect();
+    let textures: Vec<MipMap> = frame.textures.par_iter().map(MipMap::new).collect();
+    let projection = Projection::camera(&frame.camera, view.width, view.height);
+    let atmosphere = Atmosphere::new(frame, &textures);
+    let canopy = Canopy::new(frame, &meshes, &textures, &atmosphere);
+    let shadow = ShadowMap::new(frame, &meshes);
+    let tone = Tone::new(view.tone_map);
+    let prepared = Prepared { frame, meshes, textures, atmosphere, canopy, shadow, projection, tone };
+    let bins = Bins::new(frame, &prepared.meshes, &prepared.projection, view.width, view.height);
+    let rows: Vec<Vec<tile::Pixels>> = match view.samples {
+        1 => draw_rows::<1>(&prepared, &bins),
+        4 => draw_rows::<4>(&prepared, &bins),
+        16 => draw_rows::<16>(&prepared, &bins),
+        _ => draw_rows::<8>(&prepared, &bins),
+    };
+    let picture = assemble(view.width, view.height, &rows);
+    let error: f64 = rows.iter().flatten().map(|pixels| pixels.squared_error).sum();
+    let figures = figures(&prepared, error);
+    (picture, figures)
+}
+
+fn draw_rows<const S: usize>(prepared: &Prepared, bins: &Bins) -> Vec<Vec<tile::Pixels>> {
+    (0..bins.rows)
+        .into_par_iter()
+        .map(|row| {
+            (0..bins.columns).into_par_iter().map(|column| tile::draw::<S>(prepared, bins, column, row)).collect()
+        })
+        .collect()
+}
+
+fn assemble(width: u32, height: u32, rows: &[Vec<tile::Pixels>]) -> Picture {
+    let mut picture = Picture::filled(width, height, [0, 0, 0, 255]);
+    picture.pixels.par_chunks_mut(width as usize).enumerate().for_each(|(y, line)| {
+        let tiles = &rows[y / tile::SIDE];
+        for (column, part) in line.chunks_mut(tile::SIDE).enumerate() {
+            let from = &tiles[column].colours[(y % tile::SIDE) * tile::SIDE..];
+            for (pixel, colour) in part.iter_mut().zip(from) {
+                *pixel = [colour[0], colour[1], colour[2], 255];
+            }
+        }
+    });
+    picture
+}
+
+/// The antialiasing error is estimated from the spread of the samples of each pixel: their variance over their number is
+/// the squared error that independent samples would have, an upper estimate for a stratified pattern.
+fn figures(prepared: &Prepared, squared_error: f64) -> Figures {
+    let frame = prepared.frame;
+    let triangles_of = |model: u32| -> u64 {
+        let parts = &frame.models[model as usize].parts;
+        parts.iter().map(|part| frame.meshes[part.mesh as usize].triangles.len() as u64).sum()
+    };
+    let triangles: u64 = frame.instances.iter().map(|instance| triangles_of(instance.model)).sum();
+    let pixels = u64::from(frame.view.width) * u64::from(frame.view.height);
+    let mut figures = Figures::of(pixels).with("triangles", triangles).with("samples", frame.view.samples);
+    figures.error = Some(ErrorFigure {
+        metric: "RMSE in linear light before tone mapping, antialiasing".to_owned(),
+        value: (squared_error / (3.0 * pixels as f64)).sqrt(),
+        unit: "radiance x exposure".to_owned(),
+        bound: None,
+        how: "spread of each pixel's samples over their number".to_owned(),
+    });
+    figures
+}

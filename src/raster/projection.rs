@@ -1,0 +1,176 @@
+//! From world coordinates to pixels, for a camera and for the sun.
+
+use crate::base::maths::tanf;
+use crate::base::vector::{Affine, Mat3, Vec3};
+use crate::frame::Camera;
+
+/// Nearest distance that a camera draws, metres.
+pub(super) const NEAR: f32 = 0.05;
+
+/// How the third coordinate of a mapped point is used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Lens {
+    /// Mapped points are (x w, y w, w): w is the distance along the viewing axis.
+    Perspective,
+    /// Mapped points are (x, y, distance).
+    Parallel,
+}
+
+/// A view of the world in pixels from the upper left corner.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Projection {
+    /// World to mapped coordinates, see [`Lens`].
+    pub map: Affine,
+    /// How to read them.
+    pub lens: Lens,
+    /// The eye (of a camera).
+    pub eye: Vec3,
+    /// Pixels that a metre covers: at one metre's distance (perspective), anywhere (parallel).
+    pub pixels_per_metre: f32,
+    /// The orthonormal axes right, down, forward as rows.
+    pub axes: Mat3,
+    /// Pixels from the upper left corner to the middle.
+    pub centre: [f32; 2],
+}
+
+/// A point of the picture: pixels, and a nearness that falls with the distance and is linear over the picture on a plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Screen {
+    /// Pixels to the right.
+    pub x: f32,
+    /// Pixels down.
+    pub y: f32,
+    /// 1 / distance (perspective) or minus the distance (parallel).
+    pub nearness: f32,
+}
+
+impl Projection {
+    /// The projection of a camera onto `width` x `height` pixels. A camera that looks straight up or down keeps +x to
+    /// the right.
+    pub(super) fn camera(camera: &Camera, width: u32, height: u32) -> Self {
+        let forward = (camera.target - camera.position).try_normalize(1e-12).unwrap_or_else(|| -Vec3::z());
+        let axes = axes(forward);
+        let focal = height as f32 * 0.5 / tanf(camera.field_of_view * 0.5);
+        let centre = [width as f32 * 0.5, height as f32 * 0.5];
+        let screen = Mat3::new(focal, 0.0, centre[0], 0.0, focal, centre[1], 0.0, 0.0, 1.0);
+        let linear = screen * axes;
+        let map = Affine { linear, translation: -(linear * camera.position) };
+        Self { map, lens: Lens::Perspective, eye: camera.position, pixels_per_metre: focal, axes, centre }
+    }
+
+    /// A parallel view along `forward` in which a sphere about `centre` fills a square of `size` pixels.
+    pub(super) fn parallel(forward: Vec3, centre: Vec3, radius: f32, size: u32) -> Self {
+        let axes = axes(forward);
+        let scale = size as f32 / (2.0 * radius);
+        let linear = Mat3::from_diagonal(&Vec3::new(scale, scale, 1.0)) * axes;
+        let middle = size as f32 * 0.5;
+        let translation = Vec3::new(middle, middle, 0.0) - linear * centre;
+        let map = Affine { linear, translation };
+        Self { map, lens: Lens::Parallel, eye: centre, pixels_per_metre: scale, axes, centre: [middle; 2] }
+    }
+
+    /// The unit direction from a camera's eye through a point of the picture.
+    pub(super) fn ray(&self, x: f32, y: f32) -> Vec3 {
+        let local = Vec3::new(x - self.centre[0], y - self.centre[1], self.pixels_per_metre);
+        (self.axes.transpose() * local).normalize()
+    }
+
+    /// Reads a mapped point. In perspective its distance must be positive.
+    pub(super) fn screen(&self, mapped: Vec3) -> Screen {
+        match self.lens {
+            Lens::Perspective => {
+                let nearness = 1.0 / mapped.z;
+                Screen { x: mapped.x * nearness, y: mapped.y * nearness, nearness }
+            }
+            Lens::Parallel => Screen { x: mapped.x, y: mapped.y, nearness: -mapped.z },
+        }
+    }
+
+    /// A box of pixels (left, top, right, bottom) that holds a sphere, and the largest nearness in it; `None` when the
+    /// sphere lies behind the camera. A sphere that touches the eye's plane fills the whole picture.
+    pub(super) fn sphere_bounds(&self, centre: Vec3, radius: f32) -> Option<([f32; 4], f32)> {
+        let mapped = self.map.point(centre);
+        let (distance, scale, nearness) = match self.lens {
+            Lens::Parallel => (1.0, self.pixels_per_metre, radius - mapped.z),
+            Lens::Perspective if mapped.z + radius < NEAR => return None,
+            Lens::Perspective if mapped.z - radius < NEAR => {
+                return Some(([f32::MIN, f32::MIN, f32::MAX, f32::MAX], f32::MAX));
+            }
+            Lens::Perspective => {
+                let nearest = mapped.z - radius;
+                (mapped.z, self.pixels_per_metre / nearest, 1.0 / nearest)
+            }
+        };
+        let (x, y) = (mapped.x / distance, mapped.y / distance);
+        // Off the axis a sphere's picture is an ellipse, longer by 1 / cos of the angle; the offset from the middle
+        // bounds it.
+        let offset = ((x - self.centre[0]).abs().max((y - self.centre[1]).abs())) / self.pixels_per_metre;
+        let stretch = if self.lens == Lens::Perspective { 1.0 + offset } else { 1.0 };
+        let reach = radius * scale * stretch + 1.0;
+        Some(([x - reach, y - reach, x + reach, y + reach], nearness))
+    }
+}
+
+fn axes(forward: Vec3) -> Mat3 {
+    let right = forward.cross(&Vec3::y()).try_normalize(1e-4).unwrap_or_else(Vec3::x);
+    let down = forward.cross(&right);
+    Mat3::from_rows(&[right.transpose(), down.transpose(), forward.transpose()])
+}
+
+/// One map after another: `outer` of `inner`.
+pub(super) fn composed(outer: &Affine, inner: &Affine) -> Affine {
+    Affine { linear: outer.linear * inner.linear, translation: outer.point(inner.translation) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn projection() -> Projection {
+        let camera =
+            Camera { position: Vec3::new(0.0, 1.0, 5.0), target: Vec3::new(0.0, 1.0, 0.0), field_of_view: 0.8 };
+        Projection::camera(&camera, 400, 200)
+    }
+
+    #[test]
+    fn the_target_is_in_the_middle_and_up_is_up() {
+        let view = projection();
+        let at = |x: f32, y: f32| view.screen(view.map.point(Vec3::new(x, y, 0.0)));
+        let middle = at(0.0, 1.0);
+        assert!((middle.x - 200.0).abs() < 1e-3 && (middle.y - 100.0).abs() < 1e-3);
+        assert!((middle.nearness - 0.2).abs() < 1e-6);
+        assert!(at(1.0, 2.0).y < 100.0 && at(1.0, 2.0).x > 200.0);
+        assert!(at(0.0, 1.0 + 5.0 * tanf(0.4)).y.abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_ray_goes_through_its_pixel() {
+        let view = projection();
+        let screen = view.screen(view.map.point(view.eye + view.ray(37.0, 150.0) * 3.0));
+        assert!((screen.x - 37.0).abs() < 1e-3 && (screen.y - 150.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn bounds_hold_their_sphere() {
+        let view = projection();
+        for centre in [Vec3::new(1.5, 1.8, 0.0), Vec3::new(-2.0, 0.2, 1.0)] {
+            let ([left, top, right, bottom], nearest) = view.sphere_bounds(centre, 0.4).expect("in front");
+            for direction in [Vec3::x(), Vec3::y(), Vec3::z(), Vec3::new(0.6, 0.0, 0.8), Vec3::new(-0.6, 0.8, 0.0)] {
+                for sign in [-0.4, 0.4] {
+                    let p = view.screen(view.map.point(centre + direction * sign));
+                    assert!(p.x >= left && p.x <= right && p.y >= top && p.y <= bottom && p.nearness <= nearest);
+                }
+            }
+        }
+        assert!(view.sphere_bounds(Vec3::new(0.0, 1.0, 9.0), 0.4).is_none());
+    }
+
+    #[test]
+    fn a_parallel_view_keeps_sizes() {
+        let view = Projection::parallel(-Vec3::z(), Vec3::new(0.0, 2.0, 0.0), 4.0, 100);
+        let screen = view.screen(view.map.point(Vec3::new(1.0, 2.0, 3.0)));
+        assert!((screen.x - 62.5).abs() < 1e-4 && (screen.y - 50.0).abs() < 1e-4);
+        let nearer = view.screen(view.map.point(Vec3::new(1.0, 2.0, 4.0)));
+        assert!(nearer.nearness > screen.nearness);
+    }
+}

@@ -1,0 +1,194 @@
+//! What light a seen point sends to the eye.
+//!
+//! Leaves reflect and transmit diffusely on both sides, L = (rho E_front + tau E_back) / pi, with a gloss lobe of
+//! microfacets on top (GGX, Walter et al. 2007; Schlick's Fresnel term); wood and ground only reflect.
+
+use super::Prepared;
+use super::atmosphere::Ambient;
+use super::bins::Item;
+use super::projection::composed;
+use crate::base::maths::{mix, powf};
+use crate::base::random::hash;
+use crate::base::vector::{Vec2, Vec3};
+use crate::frame::Material;
+use std::f32::consts::PI;
+
+/// A point of a surface as the eye sees it.
+struct Point {
+    position: Vec3,
+    /// Unit normal on the side of the eye.
+    normal: Vec3,
+    /// Whether the eye sees the side that the mesh's normals point away from.
+    behind: bool,
+    uv: Vec2,
+    /// Width of a pixel on the surface, texture units.
+    footprint: f32,
+    /// Unit vector to the eye.
+    to_eye: Vec3,
+    salt: u64,
+}
+
+impl Prepared<'_> {
+    /// Radiance of the sky through a point of the picture.
+    pub(super) fn sky(&self, at: [f32; 2]) -> [f32; 3] {
+        let direction = self.projection.ray(at[0], at[1]);
+        let above = Vec3::new(direction.x, direction.y.max(0.0), direction.z);
+        self.atmosphere.radiance(above)
+    }
+
+    fn ambient(&self, at: Vec3) -> Ambient {
+        self.canopy.as_ref().map_or(self.atmosphere.open, |canopy| canopy.ambient(at, &self.atmosphere))
+    }
+
+    /// The sun's irradiance on a surface that faces it, after shadow.
+    fn sun(&self, point: Vec3, normal: Vec3, salt: u64) -> [f32; 3] {
+        let lit = self.shadow.as_ref().map_or(1.0, |map| map.lit(point, normal, salt)) * self.atmosphere.sun_share();
+        self.frame.sun.irradiance.map(|e| e * lit)
+    }
+
+    fn colour(&self, factor: [f32; 3], texture: Option<u32>, point: &Point) -> [f32; 3] {
+        match texture {
+            Some(number) => {
+                let texel = self.textures[number as usize].sample(point.uv, point.footprint);
+                std::array::from_fn(|k| factor[k] * texel[k])
+            }
+            None => factor,
+        }
+    }
+}
+
+/// Radiance of a triangle of an item at a point of the picture.
+pub(super) fn surface(prepared: &Prepared, item: &Item, triangle: u16, at: [f32; 2]) -> [f32; 3] {
+    let point = point(prepared, item, triangle, at);
+    let material = &prepared.frame.materials[item.material as usize];
+    let mut reflected = prepared.colour(material.colour, material.reflected, &point);
+    if point.behind {
+        reflected = reflected.map(|r| (r * material.back_gain).min(0.95));
+    }
+    let ambient = prepared.ambient(point.position);
+    let sun_direction = prepared.frame.sun.direction;
+    let facing = point.normal.dot(&sun_direction);
+    let lit_side = if facing >= 0.0 { point.normal } else { -point.normal };
+    let sun = prepared.sun(point.position, lit_side, point.salt).map(|e| e * facing.abs());
+    let front = ambient.irradiance(point.normal);
+    let mut colour: [f32; 3] = std::array::from_fn(|k| reflected[k] * front[k] / PI);
+    if material.transmission.iter().any(|&t| t > 0.0) {
+        let transmitted = prepared.colour(material.transmission, material.transmitted, &point);
+        let back = ambient.irradiance(-point.normal);
+        for k in 0..3 {
+            colour[k] += transmitted[k] * back[k] / PI;
+        }
+        if facing < 0.0 {
+            for k in 0..3 {
+                colour[k] += transmitted[k] * sun[k] / PI;
+            }
+        }
+    }
+    if facing > 0.0 {
+        for k in 0..3 {
+            colour[k] += reflected[k] * sun[k] / PI;
+        }
+    }
+    if material.gloss > 0.0 {
+        let lobe = if facing > 0.0 { gloss(material, &point, sun_direction) } else { 0.0 };
+        // The surroundings in the gloss: as Fresnel's term would mirror the light on that side, softened by roughness.
+        let mirror =
+            schlick(material.gloss, point.normal.dot(&point.to_eye).max(0.0)) * (1.0 - 0.5 * material.roughness);
+        for k in 0..3 {
+            let beam = if facing > 0.0 { sun[k] / facing.max(1e-3) * lobe * facing } else { 0.0 };
+            colour[k] += beam + mirror * front[k] / PI;
+        }
+    }
+    let distance = (point.position - prepared.projection.eye).norm();
+    if prepared.frame.ground.is_some() { prepared.atmosphere.hazed(colour, distance) } else { colour }
+}
+
+/// Radiance of the ground at a point of the picture below the horizon.
+pub(super) fn ground(prepared: &Prepared, at: [f32; 2]) -> [f32; 3] {
+    let Some(ground) = &prepared.frame.ground else { return prepared.sky(at) };
+    let ray = prepared.projection.ray(at[0], at[1]);
+    let eye = prepared.projection.eye;
+    let distance = eye.y / (-ray.y).max(1e-6);
+    let position = eye + ray * distance;
+    let pixel = distance / prepared.projection.pixels_per_metre;
+    let texture = &prepared.textures[ground.texture as usize];
+    let uv = Vec2::new(position.x, position.z) / ground.tile;
+    // A pixel on the ground is long and narrow; the mean of its sides keeps detail without crawling.
+    let long = pixel / (-ray.y).max(1e-3);
+    let footprint = (pixel * long).sqrt() / ground.tile;
+    let detail = texture.sample(uv, footprint);
+    // A second look at another scale and turn breaks the repeats up.
+    let turned = Vec2::new(0.8 * uv.x + 0.6 * uv.y, 0.8 * uv.y - 0.6 * uv.x);
+    let broad = texture.sample(turned / 7.3, footprint / 7.3);
+    let mean = texture.mean();
+    let albedo: [f32; 3] = std::array::from_fn(|k| detail[k] * mix(1.0, broad[k] / mean[k].max(1e-4), 0.55));
+    let salt = hash(at[0].to_bits().into(), at[1].to_bits().into());
+    let sun = prepared.sun(position, Vec3::y(), salt);
+    let height = prepared.frame.sun.direction.y.max(0.0);
+    let ambient = prepared.ambient(position).irradiance(Vec3::y());
+    let lit: [f32; 3] = std::array::from_fn(|k| albedo[k] * (sun[k] * height + ambient[k]) / PI);
+    prepared.atmosphere.hazed(lit, distance)
+}
+
+/// Finds the point of a triangle behind a point of the picture, by homogeneous barycentric coordinates (Olano and Greer
+/// 1997), which need no clipping.
+fn point(prepared: &Prepared, item: &Item, triangle: u16, at: [f32; 2]) -> Point {
+    let instance = &prepared.frame.instances[item.instance as usize];
+    let mesh = &prepared.frame.meshes[item.mesh as usize];
+    let clustered = &prepared.meshes[item.mesh as usize];
+    let cluster = &clustered.clusters[item.cluster as usize];
+    let local = cluster.triangles[usize::from(triangle)];
+    let numbers = local.map(|v| cluster.vertices[usize::from(v)] as usize);
+    let map = composed(&prepared.projection.map, &instance.transform);
+    let corners = local.map(|v| cluster.positions[usize::from(v)]);
+    let [a, b, c] = corners.map(|p| map.point(p));
+    let ray = Vec3::new(at[0], at[1], 1.0);
+    let weights = [b.cross(&c).dot(&ray), c.cross(&a).dot(&ray), a.cross(&b).dot(&ray)];
+    let sum = weights[0] + weights[1] + weights[2];
+    let weights = if sum == 0.0 { [1.0 / 3.0; 3] } else { inside(weights.map(|w| w / sum)) };
+    let blend = |values: [Vec3; 3]| values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2];
+    let position = instance.transform.point(blend(corners));
+    let linear = &instance.transform.linear;
+    let flat = linear * (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
+    let smooth = linear * blend(numbers.map(|v| mesh.normals[v]));
+    let offset = prepared.projection.eye - position;
+    let distance = offset.norm();
+    let to_eye = offset / distance.max(1e-6);
+    let behind = flat.dot(&to_eye) < 0.0;
+    let smooth = smooth.try_normalize(1e-12).unwrap_or(to_eye);
+    let normal = if behind { -smooth } else { smooth };
+    let scale = linear.column(0).norm().max(1e-12);
+    let slant = normal.dot(&to_eye).abs().max(0.25);
+    let footprint = distance / prepared.projection.pixels_per_metre * clustered.uv_per_metre / (scale * slant.sqrt());
+    let [p, q, r] = numbers.map(|v| mesh.uvs[v]);
+    let uv = p * weights[0] + q * weights[1] + r * weights[2];
+    let salt = hash(hash(item.instance.into(), at[0].to_bits().into()), at[1].to_bits().into());
+    Point { position, normal, behind, uv, footprint, to_eye, salt }
+}
+
+/// Weights moved into the triangle: the middle of the samples that a cluster owns may lie beside this triangle.
+fn inside(weights: [f32; 3]) -> [f32; 3] {
+    let clamped = weights.map(|w| if w.is_finite() { w.clamp(0.0, 1.0) } else { 1.0 / 3.0 });
+    let sum = (clamped[0] + clamped[1] + clamped[2]).max(1e-6);
+    clamped.map(|w| w / sum)
+}
+
+/// The gloss lobe's share of the irradiance that is sent to the eye, without the cosine at the surface.
+fn gloss(material: &Material, point: &Point, light: Vec3) -> f32 {
+    let half = (light + point.to_eye).normalize();
+    let (n_h, n_v, n_l) = (
+        point.normal.dot(&half).max(0.0),
+        point.normal.dot(&point.to_eye).max(0.05),
+        point.normal.dot(&light).max(0.05),
+    );
+    let alpha = (material.roughness * material.roughness).max(1e-3);
+    let squared = alpha * alpha;
+    let denominator = n_h * n_h * (squared - 1.0) + 1.0;
+    let distribution = squared / (PI * denominator * denominator);
+    let masking = |c: f32| c + (squared + (1.0 - squared) * c * c).sqrt();
+    distribution * schlick(material.gloss, half.dot(&light).max(0.0)) / (masking(n_v) * masking(n_l))
+}
+
+fn schlick(normal_incidence: f32, cosine: f32) -> f32 {
+    normal_incidence + (1.0 - normal_incidence) * powf(1.0 - cosine.min(1.0), 5.0)
+}

@@ -1,0 +1,132 @@
+//! The sun's view of the scene as a map of distances (Williams 1978), with a penumbra as wide as the sun's disc makes it.
+
+use super::bins::Bins;
+use super::cluster::ClusteredMesh;
+use super::coverage::{Nearest, SIDE};
+use super::draw::{self, Corner, Scratch};
+use super::projection::Projection;
+use crate::base::maths::{cosf, sinf};
+use crate::base::random::hash_unit;
+use crate::base::vector::{Vec2, Vec3};
+use crate::frame::Frame;
+use rayon::prelude::*;
+
+/// Places looked up for one shadow.
+const TAPS: usize = 12;
+/// Radius of the penumbra a metre of distance to what casts the shadow: the sun's angular radius, 0.265 degrees.
+const SUN_RADIUS: f32 = 0.004_63;
+/// Turn between successive taps of a Vogel spiral (the golden angle).
+const GOLDEN_ANGLE: f32 = 2.399_963;
+
+/// The nearest distance to the sun over a square of the world.
+pub(super) struct ShadowMap {
+    projection: Projection,
+    size: usize,
+    nearness: Vec<f32>,
+}
+
+impl ShadowMap {
+    /// Draws the map; `None` without sun, without instances or with a size of 0.
+    pub(super) fn new(frame: &Frame, meshes: &[ClusteredMesh]) -> Option<Self> {
+        let size = frame.view.shadow_size as usize;
+        let dark = frame.sun.irradiance.iter().all(|&e| e <= 0.0) || frame.sun.direction.y <= 0.0;
+        if size == 0 || dark {
+            return None;
+        }
+        let (centre, radius) = bounding_sphere(frame, meshes)?;
+        let projection = Projection::parallel(-frame.sun.direction, centre, radius * 1.01, size as u32);
+        let bins = Bins::new(frame, meshes, &projection, size as u32, size as u32);
+        let rows: Vec<Vec<Nearest<1>>> = (0..bins.rows)
+            .into_par_iter()
+            .map(|row| (0..bins.columns).map(|column| tile(frame, meshes, &projection, &bins, column, row)).collect())
+            .collect();
+        let mut nearness = vec![f32::MIN; size * size];
+        nearness.par_chunks_mut(size).enumerate().for_each(|(y, line)| {
+            for (tile, part) in rows[y / SIDE].iter().zip(line.chunks_mut(SIDE)) {
+                for (to, from) in part.iter_mut().zip(&tile.nearness[(y % SIDE) * SIDE..]) {
+                    *to = from[0];
+                }
+            }
+        });
+        Some(Self { projection, size, nearness })
+    }
+
+    /// The lit share at a point of a surface with this unit normal; `salt` turns the taps, so that neighbouring pixels
+    /// do not repeat a pattern.
+    pub(super) fn lit(&self, point: Vec3, normal: Vec3, salt: u64) -> f32 {
+        let texel = 1.0 / self.projection.pixels_per_metre;
+        let lifted = point + normal * (1.5 * texel);
+        let screen = self.projection.screen(self.projection.map.point(lifted));
+        let nearness = screen.nearness + 0.5 * texel;
+        let turn = hash_unit(salt, 0) * std::f32::consts::TAU;
+        let tap = |index: usize, radius: f32| {
+            let angle = turn + GOLDEN_ANGLE * index as f32;
+            let reach = radius * ((index as f32 + 0.5) / TAPS as f32).sqrt();
+            self.at(Vec2::new(screen.x + reach * cosf(angle), screen.y + reach * sinf(angle)))
+        };
+        // A first look finds how far what casts the shadow is; that sets the penumbra of the second.
+        let search = (2.0 * SUN_RADIUS * self.projection.pixels_per_metre).max(1.0);
+        let (mut count, mut gap) = (0.0f32, 0.0f32);
+        for index in (0..TAPS).step_by(2) {
+            let above = tap(index, search) - nearness;
+            if above > 0.0 {
+                count += 1.0;
+                gap += above;
+            }
+        }
+        let mean_gap = if count > 0.0 { gap / count } else { 1.0 };
+        let radius = (mean_gap * SUN_RADIUS * self.projection.pixels_per_metre).clamp(0.7, 40.0);
+        let lit = (0..TAPS).filter(|&index| tap(index, radius) <= nearness).count();
+        lit as f32 / TAPS as f32
+    }
+
+    fn at(&self, place: Vec2) -> f32 {
+        let last = self.size as f32 - 1.0;
+        if !(0.0..=last).contains(&place.x) || !(0.0..=last).contains(&place.y) {
+            return f32::MIN;
+        }
+        self.nearness[place.y as usize * self.size + place.x as usize]
+    }
+}
+
+fn tile(
+    frame: &Frame,
+    meshes: &[ClusteredMesh],
+    projection: &Projection,
+    bins: &Bins,
+    column: usize,
+    row: usize,
+) -> Nearest<1> {
+    let corner = Corner { x: column * SIDE, y: row * SIDE };
+    let mut nearest = Nearest::<1>::new(|_, _| (f32::MIN, 0));
+    let mut scratch = Scratch::default();
+    for &number in bins.tile(column, row) {
+        let item = &bins.items[number as usize];
+        if nearest.hides(corner.clip(item), item.nearness) {
+            continue;
+        }
+        let cluster = &meshes[item.mesh as usize].clusters[item.cluster as usize];
+        let transform = &frame.instances[item.instance as usize].transform;
+        draw::cluster(&mut nearest, &mut scratch, projection, transform, cluster, corner, true, |_, draw| {
+            draw(0);
+        });
+    }
+    nearest
+}
+
+/// A sphere about everything that stands in the frame.
+fn bounding_sphere(frame: &Frame, meshes: &[ClusteredMesh]) -> Option<(Vec3, f32)> {
+    let mut spheres = frame.instances.iter().flat_map(|instance| {
+        let scale = instance.transform.linear.column(0).norm();
+        frame.models[instance.model as usize].parts.iter().flat_map(move |part| {
+            let clusters = &meshes[part.mesh as usize].clusters;
+            clusters.iter().map(move |c| (instance.transform.point(c.centre), c.radius * scale))
+        })
+    });
+    let (first, radius) = spheres.next()?;
+    let around = |r: f32| Vec3::repeat(r);
+    let start = (first - around(radius), first + around(radius));
+    let (low, high) =
+        spheres.fold(start, |(low, high), (c, r)| (low.inf(&(c - around(r))), high.sup(&(c + around(r)))));
+    Some(((low + high) * 0.5, (high - low).norm() * 0.5))
+}
