@@ -82,6 +82,10 @@ pub struct Camera {
     pub target: Vec3,
     /// Angle from the picture's lower to its upper rim, radians.
     pub field_of_view: f32,
+    /// Nearest distance along the viewing axis that is drawn, metres, positive.
+    pub near: f32,
+    /// Farthest distance along the viewing axis that is drawn, metres; the ground and the sky have no end.
+    pub far: f32,
 }
 
 /// The sun: parallel light.

@@ -77,7 +77,8 @@ impl Atmosphere {
     pub(super) fn new(frame: &Frame, textures: &[MipMap]) -> Self {
         let sun_height = frame.sun.direction.y.max(0.0);
         let sky_mean: [f32; 3] = std::array::from_fn(|k| frame.sky.zenith[k] * 0.5 + frame.sky.horizon[k] * 0.5);
-        let ground = frame.ground.as_ref().map_or([0.0; 3], |ground| {
+        // Without a ground the horizon goes on below: a backdrop.
+        let ground = frame.ground.as_ref().map_or(frame.sky.horizon, |ground| {
             let albedo = textures[ground.texture as usize].mean();
             std::array::from_fn(|k| albedo[k] * (frame.sun.irradiance[k] * sun_height / PI + sky_mean[k]))
         });
@@ -85,7 +86,8 @@ impl Atmosphere {
             zenith: frame.sky.zenith,
             horizon: frame.sky.horizon,
             sun: frame.sun.direction,
-            glow: frame.sun.irradiance.map(|e| e * 0.04),
+            // Air scatters a little of the sun forward; a backdrop is not air.
+            glow: frame.sun.irradiance.map(|e| if frame.ground.is_some() { e * 0.04 } else { 0.0 }),
             ground,
             haze: frame.ground.as_ref().map_or(1.0, |ground| ground.haze),
             open: Ambient::default(),
@@ -96,7 +98,7 @@ impl Atmosphere {
         atmosphere
     }
 
-    /// Radiance from a direction: sky above the horizon, mean sunlit ground below.
+    /// Radiance from a direction: sky above the horizon; below it the mean of the sunlit ground, or the backdrop.
     pub(super) fn radiance(&self, direction: Vec3) -> [f32; 3] {
         if direction.y < 0.0 {
             return self.ground;

@@ -53,9 +53,10 @@ pub(super) fn cluster<const S: usize>(
     mut seen: impl FnMut(u16, &mut dyn FnMut(u32) -> bool),
 ) {
     let map = composed(&projection.map, transform);
+    let (near, far) = (projection.near, projection.far);
     scratch.mapped.clear();
     scratch.mapped.extend(cluster.positions.iter().map(|&p| map.point(p)));
-    let whole = projection.lens == Lens::Parallel || scratch.mapped.iter().all(|&p| is_inside(p));
+    let whole = projection.lens == Lens::Parallel || scratch.mapped.iter().all(|&p| is_inside(p, near, far));
     scratch.vertices.clear();
     if whole {
         scratch.vertices.extend(scratch.mapped.iter().map(|&p| corner.vertex(projection.screen(p))));
@@ -69,7 +70,7 @@ pub(super) fn cluster<const S: usize>(
             }
             continue;
         }
-        let polygon = clipped(triangle.map(|v| scratch.mapped[usize::from(v)]));
+        let polygon = clipped(triangle.map(|v| scratch.mapped[usize::from(v)]), near, far);
         for k in 1..polygon.len().saturating_sub(1) {
             let vertices = [polygon[0], polygon[k], polygon[k + 1]].map(|p| corner.vertex(projection.screen(p)));
             if two_sided || is_front(&vertices) {

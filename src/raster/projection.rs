@@ -4,9 +4,6 @@ use crate::base::maths::tanf;
 use crate::base::vector::{Affine, Mat3, Vec3};
 use crate::frame::Camera;
 
-/// Nearest distance that a camera draws, metres.
-pub(super) const NEAR: f32 = 0.05;
-
 /// How the third coordinate of a mapped point is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Lens {
@@ -31,6 +28,10 @@ pub(super) struct Projection {
     pub axes: Mat3,
     /// Pixels from the upper left corner to the middle.
     pub centre: [f32; 2],
+    /// Nearest distance that a camera draws, metres.
+    pub near: f32,
+    /// Farthest distance that a camera draws, metres.
+    pub far: f32,
 }
 
 /// A point of the picture: pixels, and a nearness that falls with the distance and is linear over the picture on a plane.
@@ -55,7 +56,16 @@ impl Projection {
         let screen = Mat3::new(focal, 0.0, centre[0], 0.0, focal, centre[1], 0.0, 0.0, 1.0);
         let linear = screen * axes;
         let map = Affine { linear, translation: -(linear * camera.position) };
-        Self { map, lens: Lens::Perspective, eye: camera.position, pixels_per_metre: focal, axes, centre }
+        Self {
+            map,
+            lens: Lens::Perspective,
+            eye: camera.position,
+            pixels_per_metre: focal,
+            axes,
+            centre,
+            near: camera.near,
+            far: camera.far,
+        }
     }
 
     /// A parallel view along `forward` in which a sphere about `centre` fills a square of `size` pixels.
@@ -66,7 +76,16 @@ impl Projection {
         let middle = size as f32 * 0.5;
         let translation = Vec3::new(middle, middle, 0.0) - linear * centre;
         let map = Affine { linear, translation };
-        Self { map, lens: Lens::Parallel, eye: centre, pixels_per_metre: scale, axes, centre: [middle; 2] }
+        Self {
+            map,
+            lens: Lens::Parallel,
+            eye: centre,
+            pixels_per_metre: scale,
+            axes,
+            centre: [middle; 2],
+            near: f32::MIN,
+            far: f32::MAX,
+        }
     }
 
     /// The unit direction from a camera's eye through a point of the picture.
@@ -92,8 +111,8 @@ impl Projection {
         let mapped = self.map.point(centre);
         let (distance, scale, nearness) = match self.lens {
             Lens::Parallel => (1.0, self.pixels_per_metre, radius - mapped.z),
-            Lens::Perspective if mapped.z + radius < NEAR => return None,
-            Lens::Perspective if mapped.z - radius < NEAR => {
+            Lens::Perspective if mapped.z + radius < self.near || mapped.z - radius > self.far => return None,
+            Lens::Perspective if mapped.z - radius < self.near => {
                 return Some(([f32::MIN, f32::MIN, f32::MAX, f32::MAX], f32::MAX));
             }
             Lens::Perspective => {
@@ -127,8 +146,13 @@ mod tests {
     use super::*;
 
     fn projection() -> Projection {
-        let camera =
-            Camera { position: Vec3::new(0.0, 1.0, 5.0), target: Vec3::new(0.0, 1.0, 0.0), field_of_view: 0.8 };
+        let camera = Camera {
+            position: Vec3::new(0.0, 1.0, 5.0),
+            target: Vec3::new(0.0, 1.0, 0.0),
+            field_of_view: 0.8,
+            near: 0.05,
+            far: 1e3,
+        };
         Projection::camera(&camera, 400, 200)
     }
 

@@ -1,0 +1,182 @@
+//! The rasteriser against closed forms: what a flat leaf must send to the eye under light that is known.
+
+use leafseason::base::mesh::Mesh;
+use leafseason::base::vector::{Affine, Vec2, Vec3};
+use leafseason::frame::{Camera, Frame, Instance, Material, Model, Part, Sky, Sun, ToneMap, View};
+use leafseason::raster;
+use std::f32::consts::PI;
+
+const WIDTH: u32 = 96;
+const HEIGHT: u32 = 64;
+
+/// A square of two metres in the plane z = 0 that faces +z.
+fn square() -> Mesh {
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    Mesh {
+        positions: corners.iter().map(|&(x, y)| Vec3::new(x, y, 0.0)).collect(),
+        normals: vec![Vec3::z(); 4],
+        uvs: corners.iter().map(|&(x, y)| Vec2::new(x * 0.5 + 0.5, 0.5 - y * 0.5)).collect(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+    }
+}
+
+/// A sun that has risen, so that none of its disc is cut off.
+fn above(direction: Vec3) -> Vec3 {
+    Vec3::new(direction.x, 0.006, direction.z).normalize()
+}
+
+fn leaf() -> Material {
+    Material {
+        name: "leaf".into(),
+        colour: [0.2, 0.4, 0.1],
+        reflected: None,
+        transmission: [0.1, 0.3, 0.05],
+        transmitted: None,
+        back_gain: 1.0,
+        gloss: 0.0,
+        roughness: 0.5,
+        two_sided: true,
+    }
+}
+
+/// A leaf before the camera, without light.
+fn frame() -> Frame {
+    Frame {
+        meshes: vec![square()],
+        textures: Vec::new(),
+        materials: vec![leaf()],
+        models: vec![Model { name: "leaf".into(), parts: vec![Part { mesh: 0, material: 0 }] }],
+        instances: vec![Instance { model: 0, transform: Affine::identity(), leaf: None }],
+        camera: Camera {
+            position: Vec3::new(0.0, 0.0, 4.0),
+            target: Vec3::zeros(),
+            field_of_view: 2.0 * libm::atanf(0.5),
+            near: 0.05,
+            far: 100.0,
+        },
+        sun: Sun { direction: above(Vec3::z()), irradiance: [0.0; 3] },
+        sky: Sky { zenith: [0.0; 3], horizon: [0.0; 3] },
+        ground: None,
+        view: View {
+            width: WIDTH,
+            height: HEIGHT,
+            samples: 8,
+            shadow_size: 256,
+            exposure: 1.0,
+            tone_map: ToneMap::None,
+        },
+    }
+}
+
+fn middle(frame: &Frame) -> [u8; 4] {
+    raster::draw(frame).0.at(WIDTH / 2, HEIGHT / 2)
+}
+
+fn codes(linear: [f32; 3]) -> [u8; 3] {
+    linear.map(leafseason::base::maths::linear_to_srgb8)
+}
+
+fn assert_near(got: [u8; 4], expected: [u8; 3]) {
+    for k in 0..3 {
+        assert!(got[k].abs_diff(expected[k]) <= 1, "{got:?} is not {expected:?}");
+    }
+}
+
+#[test]
+fn under_an_even_sky_a_leaf_shows_reflectance_plus_transmittance() {
+    let mut frame = frame();
+    frame.sky = Sky { zenith: [1.0; 3], horizon: [1.0; 3] };
+    assert_near(middle(&frame), codes([0.3, 0.7, 0.15]));
+    let corner = raster::draw(&frame).0.at(0, 0);
+    assert_eq!(corner, [255; 4]);
+}
+
+#[test]
+fn the_sun_before_a_leaf_shows_its_reflectance_and_behind_it_its_transmittance() {
+    let mut frame = frame();
+    frame.sun.irradiance = [PI; 3];
+    assert_near(middle(&frame), codes([0.2, 0.4, 0.1]));
+    frame.sun.direction = Vec3::new(0.0, 0.6, 0.8);
+    assert_near(middle(&frame), codes([0.16, 0.32, 0.08]));
+    frame.sun.direction = Vec3::new(0.0, 0.6, -0.8);
+    assert_near(middle(&frame), codes([0.08, 0.24, 0.04]));
+}
+
+#[test]
+fn the_lower_side_reflects_by_its_own_measure() {
+    let mut frame = frame();
+    frame.materials[0].back_gain = 1.5;
+    frame.sun = Sun { direction: above(-Vec3::z()), irradiance: [PI; 3] };
+    frame.camera.position = Vec3::new(0.0, 0.0, -4.0);
+    frame.view.shadow_size = 0;
+    assert_near(middle(&frame), codes([0.3, 0.6, 0.15]));
+}
+
+#[test]
+fn something_between_sun_and_leaf_casts_its_shadow() {
+    let mut frame = frame();
+    frame.sun = Sun { direction: Vec3::new(0.0, 0.6, 0.8), irradiance: [PI; 3] };
+    let mut board = frame.instances[0];
+    // A board of 0.4 m on the way from the middle of the leaf to the sun, beside the camera's view of it.
+    board.transform.linear *= 0.2;
+    board.transform.translation = Vec3::new(0.0, 1.2, 1.6);
+    frame.instances.push(board);
+    assert_near(middle(&frame), [0; 3]);
+    let beside = raster::draw(&frame).0.at(WIDTH / 2 + 12, HEIGHT / 2);
+    assert_near(beside, codes([0.16, 0.32, 0.08]));
+    frame.view.shadow_size = 0;
+    assert_near(middle(&frame), codes([0.16, 0.32, 0.08]));
+}
+
+#[test]
+fn a_square_covers_its_exact_share_of_the_picture() {
+    let mut frame = frame();
+    frame.sky = Sky { zenith: [0.0; 3], horizon: [0.0; 3] };
+    frame.sun.irradiance = [PI / 0.2, PI / 0.4, PI / 0.1];
+    frame.view.samples = 16;
+    // Half a metre of height at 4 m is a quarter of the picture's 4 m.
+    let turn = libm::sincosf(0.3);
+    frame.instances[0].transform.linear =
+        leafseason::base::vector::Mat3::new(turn.1, -turn.0, 0.0, turn.0, turn.1, 0.0, 0.0, 0.0, 1.0) * 0.613;
+    let picture = raster::draw(&frame).0;
+    let light = |pixel: &[u8; 4]| f64::from(leafseason::base::maths::srgb_to_linear(f32::from(pixel[0]) / 255.0));
+    let covered: f64 = picture.pixels.iter().map(light).sum();
+    let pixels_a_metre = f64::from(HEIGHT) / 4.0;
+    let area = (2.0 * 0.613 * pixels_a_metre) * (2.0 * 0.613 * pixels_a_metre);
+    assert!((covered / area - 1.0).abs() < 4e-3, "{covered} of {area}");
+}
+
+#[test]
+fn what_is_behind_the_eye_or_cut_by_it_is_drawn_without_harm() {
+    let mut frame = frame();
+    frame.sky = Sky { zenith: [1.0; 3], horizon: [1.0; 3] };
+    frame.camera.position = Vec3::new(0.0, 0.0, 0.01);
+    frame.camera.target = Vec3::new(0.0, 1.0, 0.01);
+    let picture = raster::draw(&frame).0;
+    assert_eq!(picture.pixels.len(), (WIDTH * HEIGHT) as usize);
+    assert!(picture.pixels.iter().any(|&p| p[0] < 255), "the leaf cut by the near plane is seen");
+    frame.camera.target = Vec3::new(0.0, 0.0, 5.0);
+    assert!(raster::draw(&frame).0.pixels.iter().all(|&p| p == [255; 4]));
+}
+
+#[test]
+fn any_number_of_threads_draws_the_same_picture() {
+    let mut frame = frame();
+    frame.sky = Sky { zenith: [0.3, 0.5, 0.9], horizon: [0.8; 3] };
+    frame.sun = Sun { direction: Vec3::new(0.36, 0.48, 0.8), irradiance: [2.0; 3] };
+    for step in 0..300u64 {
+        let place = |k| leafseason::base::random::hash_unit(step, k) * 3.0 - 1.5;
+        let mut leaf = frame.instances[0];
+        leaf.leaf = Some(step);
+        leaf.transform.linear *= 0.1;
+        leaf.transform.translation = Vec3::new(place(1), place(2), place(3));
+        frame.instances.push(leaf);
+    }
+    let draw = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| raster::draw(&frame).0)
+    };
+    let one = draw(1);
+    assert_eq!(one, draw(2));
+    assert_eq!(one, draw(5));
+}
