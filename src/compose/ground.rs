@@ -1,0 +1,56 @@
+//! The texture of a meadow: blades of grass drawn over soil, wrapping at the rim so that it tiles.
+
+use super::noise::fractal;
+use crate::base::maths::{cos, linear_to_srgb8, mix, sin};
+use crate::base::random::{Purpose, Stream, hash};
+use crate::frame::{Ground, Texture};
+use std::f64::consts::TAU;
+
+/// Pixels along one side.
+const SIZE: i32 = 1024;
+/// Metres that one repeat covers: 2.5 mm a pixel, the width of a blade of grass.
+const TILE: f32 = 2.56;
+/// Blades in one repeat, about 6,000 a square metre of those that show.
+const BLADES: u64 = 40_000;
+
+/// The ground with its texture's number.
+pub(super) fn ground(texture: u32) -> Ground {
+    Ground { texture, tile: TILE, haze: 900.0 }
+}
+
+/// Paints the meadow.
+pub(super) fn texture(seed: u64) -> Texture {
+    let mut linear = vec![[0.0f32; 3]; (SIZE * SIZE) as usize];
+    for (index, texel) in linear.iter_mut().enumerate() {
+        let (u, v) = ((index as i32 % SIZE) as f32 / SIZE as f32, (index as i32 / SIZE) as f32 / SIZE as f32);
+        let soil = 0.6 + 0.8 * fractal(u, v, 64, 64, 3, hash(seed, 1));
+        *texel = [0.040 * soil, 0.042 * soil, 0.018 * soil];
+    }
+    for blade in 0..BLADES {
+        draw_blade(&mut linear, seed, blade);
+    }
+    let pixels = linear.iter().map(|texel| texel.map(linear_to_srgb8)).collect();
+    Texture { name: "ground".to_owned(), width: SIZE as u32, height: SIZE as u32, pixels, repeat: true }
+}
+
+fn draw_blade(linear: &mut [[f32; 3]], seed: u64, number: u64) {
+    let mut random = Stream::new(seed, Purpose::Surroundings, number, 0);
+    let (x, y) = (random.range(0.0, f64::from(SIZE)), random.range(0.0, f64::from(SIZE)));
+    let angle = random.range(0.0, TAU);
+    let length = random.range(8.0, 26.0);
+    let (u, v) = (x as f32 / SIZE as f32, y as f32 / SIZE as f32);
+    let dry = fractal(u, v, 3, 3, 3, hash(seed, 2)) * 0.9 - 0.25 + 0.35 * random.uniform() as f32;
+    let shade = random.range(0.55, 1.25) as f32;
+    let green = [0.066, 0.105, 0.026];
+    let straw = [0.20, 0.17, 0.075];
+    let colour: [f32; 3] = std::array::from_fn(|k| mix(green[k], straw[k], dry.clamp(0.0, 1.0)) * shade);
+    let steps = length as usize;
+    for step in 0..steps {
+        let t = step as f64;
+        let column = ((x + cos(angle) * t) as i32).rem_euclid(SIZE);
+        let row = ((y + sin(angle) * t) as i32).rem_euclid(SIZE);
+        // The root of a blade lies deeper in the sward, hence darker.
+        let lift = 0.55 + 0.45 * (t / length) as f32;
+        linear[(row * SIZE + column) as usize] = colour.map(|c| c * lift);
+    }
+}

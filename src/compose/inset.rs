@@ -1,0 +1,55 @@
+//! One leaf, enlarged: the picture in the picture of the paper's Figure 12.
+
+use super::{Garment, Stock};
+use crate::base::vector::{Affine, Mat3, Vec3};
+use crate::frame::{Camera, Frame, Instance, Sky};
+use std::collections::BTreeMap;
+
+/// Side of the inset relative to the picture's height.
+const SIDE: f32 = 0.3;
+/// Field of view of its camera, radians.
+const FIELD_OF_VIEW: f32 = 0.35;
+
+impl Stock {
+    /// A frame of the leaf that most leaves of `worn` look like, seen from its upper side; `None` when no leaf hangs.
+    #[must_use]
+    pub fn inset(&self, worn: &[Option<Garment>], frame: &Frame) -> Option<Frame> {
+        let mut counts: BTreeMap<Garment, usize> = BTreeMap::new();
+        for garment in worn.iter().flatten() {
+            *counts.entry(*garment).or_default() += 1;
+        }
+        let (&garment, _) = counts.iter().max_by_key(|(garment, count)| (**count, std::cmp::Reverse(**garment)))?;
+        let &model = self.worn.get(&garment)?;
+        let blade = &self.meshes[self.models[model as usize].parts.first()?.mesh as usize];
+        let (low, high) = blade.bounds()?;
+        let middle = (low + high) * 0.5;
+        let radius = (high - low).norm() * 0.5;
+        // The blade's upper side (+z) leans a little back from the camera, so that curls cast shadows.
+        let lean = Mat3::new(1.0, 0.0, 0.0, 0.0, 0.94, 0.342, 0.0, -0.342, 0.94);
+        let transform = Affine { linear: lean, translation: Vec3::new(0.0, 1.0, 0.0) - lean * middle };
+        let side = ((frame.view.height as f32 * SIDE) as u32).max(1);
+        let distance = radius * 1.25 / libm::tanf(FIELD_OF_VIEW * 0.5);
+        let mut view = frame.view;
+        (view.width, view.height) = (side, side);
+        view.shadow_size = view.shadow_size.min(1024);
+        let mut sun = frame.sun;
+        sun.direction = Vec3::new(-0.45, 0.62, 0.64).normalize();
+        let light: [f32; 3] = std::array::from_fn(|k| 0.5 * (frame.sky.zenith[k] + frame.sky.horizon[k]));
+        let mean = (light[0] + light[1] + light[2]) / 3.0;
+        let sky = Sky { zenith: [mean; 3], horizon: [mean * 1.5; 3] };
+        Some(Frame {
+            instances: vec![Instance { model, transform, leaf: None }],
+            camera: Camera {
+                position: Vec3::new(0.0, 1.0, distance),
+                target: Vec3::new(0.0, 1.0, 0.0),
+                field_of_view: FIELD_OF_VIEW,
+                ..frame.camera
+            },
+            sun,
+            sky,
+            ground: None,
+            view,
+            ..frame.clone()
+        })
+    }
+}

@@ -1,0 +1,258 @@
+//! The plan of a run as data: the jobs that will be done, each with what it feeds, and what is left out, each with its
+//! reason. Growing the tree and drawing the leaves' states is cheap, so both come first and narrow the rest: no shape is
+//! bent and no texture painted that no leaf wears.
+
+use crate::compose::{Garment, variant};
+use crate::scene::Scene;
+use crate::season::LeafStates;
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+
+/// Why something is left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub enum Reason {
+    /// The scene does not ask for it.
+    NotAskedFor,
+    /// No leaf can come to that state.
+    Unreachable,
+    /// The state can be reached, but no leaf is in it in any frame that is drawn.
+    WornByNoLeaf,
+    /// Every leaf has fallen.
+    NoLeafLeft,
+    /// It equals this frame, whose files are written again under its name.
+    SameAs(i64),
+    /// It would change nothing.
+    NoEffect,
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotAskedFor => write!(f, "the scene does not ask for it"),
+            Self::Unreachable => write!(f, "no leaf can come to that state"),
+            Self::WornByNoLeaf => write!(f, "worn by no leaf in any frame"),
+            Self::NoLeafLeft => write!(f, "every leaf has fallen"),
+            Self::SameAs(frame) => write!(f, "same as frame {frame}"),
+            Self::NoEffect => write!(f, "it would change nothing"),
+        }
+    }
+}
+
+/// Something that is not done.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct LeftOut {
+    /// What: a stage (`png`) or one of its items (`deform brown 2`).
+    pub what: String,
+    /// Why.
+    pub reason: Reason,
+}
+
+/// Something that is done.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Job {
+    /// The stage, by the name it has in the report.
+    pub stage: &'static str,
+    /// Which of the stage's items; empty for a stage that makes one thing.
+    pub name: String,
+    /// The stages that use the result.
+    pub feeds: Vec<&'static str>,
+}
+
+/// A frame that is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PlannedFrame {
+    /// Its number.
+    pub index: i64,
+    /// Its time, days.
+    pub day: f64,
+    /// The earlier frame that has the same leaves, if there is one.
+    pub same_as: Option<i64>,
+}
+
+/// The jobs of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Plan {
+    /// What is done, in order.
+    pub jobs: Vec<Job>,
+    /// What is not done.
+    pub left_out: Vec<LeftOut>,
+    /// The frames.
+    pub frames: Vec<PlannedFrame>,
+    /// What leaves wear in any frame.
+    #[serde(skip)]
+    pub garments: Vec<Garment>,
+}
+
+/// What is known of a frame before anything costly is done.
+#[derive(Clone, Debug, Default)]
+pub struct Counted {
+    /// The frame's number.
+    pub index: i64,
+    /// Its time, days.
+    pub day: f64,
+    /// The garments that its leaves wear.
+    pub worn: BTreeSet<Garment>,
+    /// A number that is equal for frames with the same leaves in the same garments.
+    pub signature: u64,
+}
+
+/// What every leaf wears; `None` for a leaf that has fallen. `leaf_ids` are the sites' ids, in their order.
+#[must_use]
+pub fn garments(scene: &Scene, leaf_ids: &[u64], states: &LeafStates) -> Vec<Option<Garment>> {
+    let off_the_tree: Vec<bool> = states.names.iter().map(|name| is_off_the_tree(name)).collect();
+    let count = variants(scene);
+    let wears = |(&id, &state): (&u64, &u16)| {
+        (!off_the_tree[usize::from(state)]).then(|| Garment { state, variant: variant(scene.seed, id, count) })
+    };
+    leaf_ids.iter().zip(&states.states).map(wears).collect()
+}
+
+/// Whether a leaf in this state shows no leaf on the tree.
+#[must_use]
+pub fn is_off_the_tree(state: &str) -> bool {
+    matches!(state, "fallen" | "bud")
+}
+
+/// Number of garments of each state: shapes and textures vary together, so that a model is one of each.
+#[must_use]
+pub fn variants(scene: &Scene) -> u32 {
+    scene.deform.shapes.max(scene.colour.variants)
+}
+
+/// Plans the frames that were counted. With `leave_out` false every shape and texture is a job and no frame is taken from
+/// another: the same files come out, which tests use to prove that nothing left out was needed.
+#[must_use]
+pub fn plan(scene: &Scene, states: &[String], reachable: &[bool], counted: &[Counted], leave_out: bool) -> Plan {
+    let mut plan = Plan::default();
+    plan.job("tree", "", &["season", "compose"]);
+    plan_leaves(&mut plan, scene, states, reachable, counted, leave_out);
+    plan_outputs(&mut plan, scene);
+    plan_frames(&mut plan, counted, leave_out);
+    plan
+}
+
+impl Plan {
+    fn job(&mut self, stage: &'static str, name: &str, feeds: &[&'static str]) {
+        self.jobs.push(Job { stage, name: name.to_owned(), feeds: feeds.to_vec() });
+    }
+
+    fn leave(&mut self, what: impl Into<String>, reason: Reason) {
+        self.left_out.push(LeftOut { what: what.into(), reason });
+    }
+
+    /// Whether a stage has a job.
+    #[must_use]
+    pub fn has(&self, stage: &str) -> bool {
+        self.jobs.iter().any(|job| job.stage == stage)
+    }
+}
+
+fn plan_leaves(
+    plan: &mut Plan,
+    scene: &Scene,
+    states: &[String],
+    reachable: &[bool],
+    counted: &[Counted],
+    leave_out: bool,
+) {
+    if states.is_empty() {
+        for stage in ["season", "leaf", "deform", "colour"] {
+            plan.leave(stage, Reason::NotAskedFor);
+        }
+        return;
+    }
+    plan.job("season", "", &["compose"]);
+    let worn: BTreeSet<Garment> = counted.iter().flat_map(|frame| frame.worn.iter().copied()).collect();
+    let every = (0..states.len() as u16).filter(|&state| !is_off_the_tree(&states[usize::from(state)]));
+    let every = every.flat_map(|state| (0..variants(scene)).map(move |variant| Garment { state, variant }));
+    let (kept, dropped): (Vec<Garment>, Vec<Garment>) = every.partition(|g| !leave_out || worn.contains(g));
+    if kept.is_empty() {
+        for stage in ["leaf", "deform", "colour"] {
+            plan.leave(stage, Reason::NoLeafLeft);
+        }
+    } else {
+        plan.job("leaf", "", &["deform", "colour"]);
+    }
+    let textured = scene.output.png || scene.output.gltf.is_some();
+    for (stage, feeds, count) in [("deform", "compose", scene.deform.shapes), ("colour", "compose", scene.colour.variants)] {
+        if stage == "colour" && !textured && !kept.is_empty() {
+            plan.leave(stage, Reason::NotAskedFor);
+            continue;
+        }
+        for (state, variant) in items(&kept, count) {
+            plan.job(stage, &format!("{} {variant}", states[usize::from(state)]), &[feeds]);
+        }
+        let made = items(&kept, count);
+        for (state, variant) in items(&dropped, count).difference(&made) {
+            let reason = if reachable[usize::from(*state)] { Reason::WornByNoLeaf } else { Reason::Unreachable };
+            plan.leave(format!("{stage} {} {variant}", states[usize::from(*state)]), reason);
+        }
+    }
+    plan.garments = kept;
+}
+
+/// The items of a stage that makes `count` variants of a state, for these garments.
+#[must_use]
+pub fn items(garments: &[Garment], count: u32) -> BTreeSet<(u16, u32)> {
+    garments.iter().map(|garment| (garment.state, garment.variant % count.max(1))).collect()
+}
+
+fn plan_outputs(plan: &mut Plan, scene: &Scene) {
+    let png = scene.output.png;
+    let gltf = scene.output.gltf.is_some();
+    if png || gltf {
+        let feeds: &[&'static str] = match (png, gltf) {
+            (true, true) => &["raster", "gltf"],
+            (true, false) => &["raster"],
+            _ => &["gltf"],
+        };
+        plan.job("compose", "", feeds);
+    } else {
+        plan.leave("compose", Reason::NotAskedFor);
+    }
+    if png {
+        plan.job("raster", "", &["png"]);
+        plan.job("png", "", &[]);
+    } else {
+        plan.leave("raster", Reason::NotAskedFor);
+        plan.leave("png", Reason::NotAskedFor);
+    }
+    if gltf {
+        plan.job("gltf", "", &[]);
+    } else {
+        plan.leave("gltf", Reason::NotAskedFor);
+    }
+    if scene.light.shadow_size > 0 && (scene.light.sun <= 0.0 || scene.light.sun_elevation <= 0.0) {
+        plan.leave("raster shadow map", Reason::NoEffect);
+    }
+}
+
+fn plan_frames(plan: &mut Plan, counted: &[Counted], leave_out: bool) {
+    let mut first: BTreeMap<u64, i64> = BTreeMap::new();
+    for frame in counted {
+        let earlier = first.get(&frame.signature).copied().filter(|_| leave_out);
+        if let Some(index) = earlier {
+            plan.leave(format!("raster frame {}", frame.index), Reason::SameAs(index));
+        }
+        first.entry(frame.signature).or_insert(frame.index);
+        plan.frames.push(PlannedFrame { index: frame.index, day: frame.day, same_as: earlier });
+    }
+}
+
+impl Plan {
+    /// The plan for a person: the jobs in the order of the work, then what is left out and why.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut text = format!("{} frame(s)\n", self.frames.len());
+        for job in &self.jobs {
+            let name = if job.name.is_empty() { String::new() } else { format!(" {}", job.name) };
+            let feeds = if job.feeds.is_empty() { String::new() } else { format!(" -> {}", job.feeds.join(", ")) };
+            text.push_str(&format!("run      {}{name}{feeds}\n", job.stage));
+        }
+        for left in &self.left_out {
+            text.push_str(&format!("left out {} ({})\n", left.what, left.reason));
+        }
+        text
+    }
+}

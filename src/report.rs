@@ -1,0 +1,150 @@
+//! The report of a run: what was done, how long it took, how wrong it is, and what was left out.
+
+use crate::base::figures::{ErrorFigure, Figures};
+use crate::plan::LeftOut;
+use serde::Serialize;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// The stages in the order of the work; the report lists those that ran.
+const STAGES: [&str; 10] = ["tree", "season", "leaf", "deform", "colour", "fall", "compose", "raster", "png", "gltf"];
+
+/// One stage, over all its runs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StageReport {
+    /// Its name.
+    pub name: String,
+    /// How often it ran.
+    pub runs: u64,
+    /// Wall time of all runs, seconds.
+    pub seconds: f64,
+    /// Things made in all runs.
+    pub items: u64,
+    /// The largest error of any run.
+    pub error: Option<ErrorFigure>,
+    /// Further figures, of the last run; `cpu_seconds` is summed.
+    pub figures: BTreeMap<String, Value>,
+}
+
+/// One frame.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FrameReport {
+    /// Its number.
+    pub index: i64,
+    /// Its time, days.
+    pub day: f64,
+    /// Its date, with a weather series.
+    pub date: Option<String>,
+    /// Leaf sites of the tree.
+    pub leaves: u64,
+    /// How many leaves are in each state.
+    pub states: BTreeMap<String, u64>,
+    /// The share that the chain's law expects.
+    pub expected: BTreeMap<String, f64>,
+    /// How many have fallen.
+    pub fallen: u64,
+    /// Name of the picture.
+    pub png: Option<String>,
+    /// Name of the glTF file.
+    pub gltf: Option<String>,
+    /// Wall time of its own work, seconds; 0 for a frame that was there already.
+    pub seconds: f64,
+}
+
+/// The report of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Report {
+    /// Version of the program.
+    pub version: String,
+    /// Name of the scene.
+    pub scene: String,
+    /// Threads in use.
+    pub threads: u64,
+    /// Wall time of the run, seconds.
+    pub seconds: f64,
+    /// Largest memory that the process has held.
+    pub peak_memory_bytes: u64,
+    /// The stages that ran.
+    pub stages: Vec<StageReport>,
+    /// What was left out and why.
+    pub left_out: Vec<LeftOut>,
+    /// The frames asked for.
+    pub frames: Vec<FrameReport>,
+}
+
+impl Report {
+    /// Adds a run of a stage.
+    pub fn add(&mut self, name: &str, seconds: f64, figures: Figures) {
+        let place = self.stages.iter().position(|stage| stage.name == name);
+        let place = place.unwrap_or_else(|| {
+            let rank = |name: &str| STAGES.iter().position(|stage| *stage == name);
+            let at = self.stages.partition_point(|stage| rank(&stage.name) < rank(name));
+            let figures = BTreeMap::new();
+            let stage = StageReport { name: name.to_owned(), runs: 0, seconds: 0.0, items: 0, error: None, figures };
+            self.stages.insert(at, stage);
+            at
+        });
+        let stage = &mut self.stages[place];
+        stage.runs += 1;
+        stage.seconds += seconds;
+        stage.items += figures.items;
+        if let Some(error) = figures.error {
+            let larger = stage.error.as_ref().is_none_or(|known| error.value > known.value);
+            if larger {
+                stage.error = Some(error);
+            }
+        }
+        for (key, value) in figures.values {
+            let before = stage.figures.get(&key).and_then(Value::as_f64).filter(|_| key == "cpu_seconds");
+            let summed = before.zip(value.as_f64()).map(|(a, b)| Value::from(a + b));
+            stage.figures.insert(key, summed.unwrap_or(value));
+        }
+    }
+
+    /// The short table for a person.
+    #[must_use]
+    pub fn table(&self) -> String {
+        let mut text = format!("{:<8} {:>5} {:>10} {:>9}  error\n", "stage", "runs", "items", "seconds");
+        for stage in &self.stages {
+            let error = stage.error.as_ref().map_or_else(String::new, |error| {
+                format!("{:.2e} {} ({})", error.value, error.unit, error.metric)
+            });
+            let StageReport { name, runs, items, seconds, .. } = stage;
+            let _ = writeln!(text, "{name:<8} {runs:>5} {items:>10} {seconds:>9.3}  {error}");
+        }
+        for left in &self.left_out {
+            let _ = writeln!(text, "left out: {} ({})", left.what, left.reason);
+        }
+        let (frames, seconds) = (self.frames.len(), self.seconds);
+        let megabytes = self.peak_memory_bytes as f64 / 1e6;
+        let _ = writeln!(text, "{frames} frame(s) in {seconds:.2} s, {} thread(s), {megabytes:.0} MB", self.threads);
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_of_a_stage_add_up_in_the_order_of_the_work() {
+        let mut report = Report::default();
+        let error = |value| ErrorFigure {
+            metric: "m".into(),
+            value,
+            unit: "u".into(),
+            bound: None,
+            how: "h".into(),
+        };
+        report.add("raster", 1.0, Figures { error: Some(error(0.2)), ..Figures::of(3) }.with("cpu_seconds", 1.5));
+        report.add("tree", 0.5, Figures::of(7));
+        report.add("raster", 2.0, Figures { error: Some(error(0.1)), ..Figures::of(4) }.with("cpu_seconds", 2.0));
+        let names: Vec<&str> = report.stages.iter().map(|stage| stage.name.as_str()).collect();
+        assert_eq!(names, ["tree", "raster"]);
+        let raster = &report.stages[1];
+        assert_eq!((raster.runs, raster.items, raster.seconds), (2, 7, 3.0));
+        assert_eq!(raster.error.as_ref().map(|e| e.value), Some(0.2));
+        assert_eq!(raster.figures["cpu_seconds"], Value::from(3.5));
+    }
+}
