@@ -245,8 +245,9 @@ mod tests {
         let chain = super::super::Chain::new(&species.season, &early_october);
         let green = chain.names.iter().position(|name| name == "green").unwrap();
         let half_life = std::f64::consts::LN_2 / chain.rates[green];
-        // The source gives 10.5 days at 12 degrees under a day-length gate of (13.1 - 11.5) / 3; the gate is 1 here.
-        assert!((half_life / ((13.1 - 11.5) / 3.0) - 10.5).abs() < 0.3);
+        // Bilinear by hand: 48 % of the way to the warm corners, two thirds of the way to the wet ones.
+        let expected = (0.52 * 0.5 + 0.48 * 11.0) * 2.0 / 3.0 + (0.52 * 0.5 + 0.48 * 10.0) / 3.0;
+        assert!((half_life - expected).abs() < 1e-12);
     }
 
     #[test]
