@@ -1,4 +1,25 @@
 //! The colour stage: pigments -> spectra -> reflected and transmitted colour -> textures of a leaf in each state.
+//!
+//! A leaf's look is computed from its pigments by PROSPECT-D: never mixed from colours, since a straight line between
+//! a green and a red is up to dE 11 off the colour of mixed pigments. Textures are fields of pigment content for the same reason.
+//! It knows no light source but D65, no gloss lobe and no tree. Sources stand in `plate` and `spectrum`.
+
+mod appearance;
+mod check;
+mod distance;
+mod exponential_integral;
+mod noise;
+mod painting;
+mod palette;
+mod pigment_field;
+mod plate;
+mod scan;
+mod spectrum;
+mod surface;
+
+pub use appearance::{Appearance, Colour, appearance, colour_difference, lab};
+pub use check::check;
+pub use painting::{Job, Painted, paint};
 
 use crate::{choice, settings};
 use std::collections::BTreeMap;

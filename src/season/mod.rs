@@ -1,4 +1,22 @@
 //! The season stage: climate and time -> the state of every leaf, by one event clock a leaf.
+//!
+//! A leaf is a continuous-time Markov chain whose holding rates are ln 2 over the half-lives of equation (5) and whose
+//! targets are the chances X, both interpolated between four corners of the climate. `mode = "exact"` follows each leaf's own
+//! waiting times (`clock`); `mode = "paper"` applies equations (4) to (6) once a step. The distribution over states
+//! is known in both modes without sampling ([`Transition`]), and the report compares the sample with it.
+//!
+//! It does not know shapes, colours or where leaves fall. Source: Tang, Wu and Fan 2013, equations (4) to (6).
+
+mod assignment;
+mod chain;
+mod check;
+mod clock;
+mod transition;
+
+pub use assignment::{LeafStates, assign};
+pub use chain::{Chain, reachable};
+pub use check::check;
+pub use transition::Transition;
 
 use crate::base::settings::Corners;
 use crate::{choice, settings};

@@ -1,0 +1,200 @@
+//! A blade at the resolution of its texture: which pixels are leaf, how far each is from the margin and from the veins.
+//!
+//! Lengths are in texture widths (the blade is about 0.94 long); the layout is that of the mesh's texture coordinates.
+
+use super::distance;
+use crate::base::blade::{Blade, Vein};
+use crate::base::vector::{DVec2, Vec2};
+
+/// Orders of veins told apart.
+pub(super) const ORDERS: usize = 3;
+/// How far a vein of each order makes itself felt.
+const REACH: [f32; ORDERS] = [0.16, 0.09, 0.04];
+
+/// The blade, rasterised.
+#[derive(Clone, Debug)]
+pub(super) struct Surface {
+    /// Pixels along one side.
+    pub size: usize,
+    /// Whether the pixel's middle lies in the blade.
+    pub inside: Vec<bool>,
+    /// Distance from the margin, for pixels inside.
+    pub margin: Vec<f32>,
+    /// For each order, the distance from the edge of the nearest vein of that order (negative inside the vein), at most its
+    /// reach.
+    pub veins: [Vec<f32>; ORDERS],
+    /// The nearest pixel inside (itself for those inside), and its distance in pixels.
+    pub filler: Vec<(u32, f32)>,
+}
+
+impl Surface {
+    pub(super) fn new(blade: &Blade, size: u32) -> Self {
+        let size = size as usize;
+        let mut inside = filled(blade, size);
+        if !inside.contains(&true) {
+            // A blade without an outline, or one too thin for any pixel: all of the texture is leaf.
+            inside = vec![true; size * size];
+        }
+        let outside: Vec<bool> = inside.iter().map(|leaf| !leaf).collect();
+        let (squares, _) = distance::nearest(&outside, size);
+        let (gaps, sources) = distance::nearest(&inside, size);
+        Self {
+            size,
+            margin: squares.iter().map(|square| (square.sqrt() - 0.5).clamp(0.0, size as f32) / size as f32).collect(),
+            veins: std::array::from_fn(|order| vein_distances(blade, size, order)),
+            filler: sources.into_iter().zip(gaps.iter().map(|gap| gap.sqrt())).collect(),
+            inside,
+        }
+    }
+
+    /// The middle of a pixel in texture coordinates.
+    pub(super) fn place(&self, pixel: usize) -> (f32, f32) {
+        let (column, row) = (pixel % self.size, pixel / self.size);
+        ((column as f32 + 0.5) / self.size as f32, (row as f32 + 0.5) / self.size as f32)
+    }
+}
+
+/// Pixels whose middle lies within the outline, by the even-odd rule, row by row.
+fn filled(blade: &Blade, size: usize) -> Vec<bool> {
+    let outline: Vec<Vec2> = blade.outline.iter().map(|&point| blade.mesh.uv(point) * size as f32).collect();
+    let mut inside = vec![false; size * size];
+    let mut crossings = Vec::new();
+    for row in 0..size {
+        let y = row as f32 + 0.5;
+        crossings.clear();
+        for (index, a) in outline.iter().enumerate() {
+            let b = outline[(index + 1) % outline.len()];
+            if (a.y <= y) != (b.y <= y) {
+                crossings.push(a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x));
+            }
+        }
+        crossings.sort_unstable_by(f32::total_cmp);
+        for span in crossings.chunks_exact(2) {
+            let first = (span[0] - 0.5).ceil().clamp(0.0, size as f32) as usize;
+            let end = ((span[1] - 0.5).floor() + 1.0).clamp(0.0, size as f32) as usize;
+            inside[row * size..][first.min(end)..end].fill(true);
+        }
+    }
+    inside
+}
+
+fn vein_distances(blade: &Blade, size: usize, order: usize) -> Vec<f32> {
+    let mut distances = vec![REACH[order]; size * size];
+    let of_order = |vein: &&Vein| usize::from(vein.order).clamp(1, ORDERS) == order + 1;
+    for vein in blade.veins.iter().filter(of_order) {
+        let parts = vein.points.len().saturating_sub(1).max(1) as f64;
+        let half = |part: usize| {
+            0.5 * blade.mesh.uv_scale * (vein.width + (vein.end_width - vein.width) * part as f64 / parts)
+        };
+        for (part, ends) in vein.points.windows(2).enumerate() {
+            let segment = Segment::new(blade, [ends[0], ends[1]], [half(part) as f32, half(part + 1) as f32]);
+            segment.stamp(&mut distances, size, REACH[order]);
+        }
+    }
+    distances
+}
+
+/// A straight piece of vein in texture coordinates.
+struct Segment {
+    a: Vec2,
+    along: Vec2,
+    halves: [f32; 2],
+}
+
+impl Segment {
+    fn new(blade: &Blade, ends: [DVec2; 2], halves: [f32; 2]) -> Self {
+        let [a, b] = ends.map(|end| blade.mesh.uv(end));
+        Self { a, along: b - a, halves }
+    }
+
+    /// Distance from the edge.
+    fn distance(&self, point: Vec2) -> f32 {
+        let from = point - self.a;
+        let part = (from.dot(&self.along) / self.along.norm_squared().max(1e-12)).clamp(0.0, 1.0);
+        (from - self.along * part).norm() - (self.halves[0] + (self.halves[1] - self.halves[0]) * part)
+    }
+
+    /// Lowers the distances of all pixels within reach.
+    fn stamp(&self, distances: &mut [f32], size: usize, reach: f32) {
+        let b = self.a + self.along;
+        let reach = reach + self.halves[0].max(self.halves[1]);
+        let pixel = |value: f32| (value * size as f32).clamp(0.0, size as f32) as usize;
+        let columns = pixel(self.a.x.min(b.x) - reach)..pixel(self.a.x.max(b.x) + reach + 1.0 / size as f32);
+        for row in pixel(self.a.y.min(b.y) - reach)..pixel(self.a.y.max(b.y) + reach + 1.0 / size as f32) {
+            for column in columns.clone() {
+                let point = Vec2::new((column as f32 + 0.5) / size as f32, (row as f32 + 0.5) / size as f32);
+                let place = row * size + column;
+                distances[place] = distances[place].min(self.distance(point));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::base::flat_mesh::FlatMesh;
+    use crate::base::maths::{cos, sin};
+
+    /// A round-lobed blade 70 mm long with a midrib and two side veins.
+    pub fn blade() -> Blade {
+        let point = |x: f64, y: f64| DVec2::new(x, y) * 1e-3;
+        let outline = (0..240).map(|i| {
+            let angle = std::f64::consts::TAU * f64::from(i) / 240.0;
+            let radius = 30.0 + 4.0 * cos(5.0 * angle);
+            point(radius * sin(angle), 34.0 - radius * cos(angle))
+        });
+        let vein = |order, width, points: &[(f64, f64)]| Vein {
+            points: points.iter().map(|&(x, y)| point(x, y)).collect(),
+            width: width * 1e-3,
+            end_width: 0.3 * width * 1e-3,
+            order,
+        };
+        Blade {
+            mesh: FlatMesh { uv_scale: 0.94 / 0.068, uv_origin: DVec2::new(0.5, 0.97), ..FlatMesh::default() },
+            outline: outline.collect(),
+            veins: vec![
+                vein(1, 1.2, &[(0.0, 0.0), (0.0, 34.0), (1.0, 60.0)]),
+                vein(2, 0.7, &[(0.0, 8.0), (22.0, 34.0)]),
+                vein(2, 0.7, &[(0.0, 8.0), (-22.0, 34.0)]),
+            ],
+            scan: None,
+        }
+    }
+
+    #[test]
+    fn the_blade_covers_the_area_of_its_outline() {
+        let blade = blade();
+        let surface = Surface::new(&blade, 256);
+        let count = blade.outline.len();
+        let doubled: f64 = (0..count).map(|i| blade.outline[i].perp(&blade.outline[(i + 1) % count])).sum();
+        let expected = 0.5 * doubled * blade.mesh.uv_scale * blade.mesh.uv_scale;
+        let covered = surface.inside.iter().filter(|&&leaf| leaf).count() as f64 / 65536.0;
+        assert!(expected > 0.0 && (covered / expected - 1.0).abs() < 3e-3, "{covered} {expected}");
+    }
+
+    #[test]
+    fn distances_grow_away_from_veins_and_margin() {
+        let blade = blade();
+        let surface = Surface::new(&blade, 256);
+        let at = |x: f64, y: f64| {
+            let uv = blade.mesh.uv(DVec2::new(x * 1e-3, y * 1e-3)) * 256.0;
+            uv.y as usize * 256 + uv.x as usize
+        };
+        let scale = blade.mesh.uv_scale as f32;
+        assert!(surface.veins[0][at(0.0, 20.0)] < 0.0);
+        // 5 mm beside a vein 0.95 mm wide there, within a pixel.
+        assert!((surface.veins[0][at(5.0, 20.0)] - (5.0 - 0.48) * 1e-3 * scale).abs() < 1.5 / 256.0);
+        // The middle of the lower lobe is nearest to a place about 30 mm away on the margin.
+        let margin = surface.margin[at(0.0, 34.0)] / scale * 1e3;
+        assert!((25.0..27.5).contains(&margin), "{margin}");
+        assert_eq!(surface.margin[0], 0.0);
+    }
+
+    #[test]
+    fn a_blade_without_an_outline_fills_the_texture() {
+        let surface = Surface::new(&Blade::default(), 16);
+        assert!(surface.inside.iter().all(|&leaf| leaf));
+        assert!(surface.margin.iter().all(|margin| margin.is_finite()));
+    }
+}
