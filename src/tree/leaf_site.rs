@@ -1,0 +1,74 @@
+//! Where leaves sit and how they hold themselves: petioles leave the twig at an angle and bend up, blades face the sky and
+//! lean outward. Each leaf's numbers are keyed by its own id.
+
+use super::Settings;
+use super::skeleton::{Shoot, Skeleton};
+use crate::base::maths::{cos, sin};
+use crate::base::random::{Purpose, Stream};
+use crate::base::vector::{DVec3, rotated};
+
+/// Spread of the blades' inclination, degrees: leaf angle distributions of broad-leaved trees (Pisek et al. 2013) have
+/// standard deviations of 12 to 18.
+const INCLINATION_SPREAD: f64 = 15.0;
+/// Spread of the blades' azimuth about that of the petiole, degrees.
+const AZIMUTH_SPREAD: f64 = 28.0;
+/// Spread of the roll of a blade about its midrib, degrees.
+const ROLL_SPREAD: f64 = 14.0;
+/// Spread of the angle between twig and petiole, degrees.
+const PETIOLE_SPREAD: f64 = 9.0;
+/// How far a petiole bends up: the vertical added to its unit direction before that is made unit again.
+const PETIOLE_RISE: f64 = 0.25;
+
+/// A leaf on the tree.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeafSite {
+    /// Stable id.
+    pub id: u64,
+    /// Where the petiole leaves the twig's surface, metres.
+    pub base: DVec3,
+    /// Unit vector of the petiole, away from the twig.
+    pub petiole: DVec3,
+    /// Unit vector from the blade's joint to its tip.
+    pub blade: DVec3,
+    /// Unit vector of the blade's upper side, at right angles to `blade`.
+    pub normal: DVec3,
+    /// Size relative to the species' mean blade.
+    pub scale: f64,
+    /// Order of the axis it sits on.
+    pub order: u32,
+}
+
+/// The site of a leaf that the turtle passed.
+pub(super) fn site(shoot: &Shoot, skeleton: &Skeleton, settings: &Settings, seed: u64) -> LeafSite {
+    let mut stream = Stream::new(seed, Purpose::LeafSite, shoot.id, 0);
+    let angle = (settings.petiole_angle + PETIOLE_SPREAD * stream.normal()).clamp(0.0, 180.0).to_radians();
+    let leaving = shoot.heading * cos(angle) - shoot.up * sin(angle);
+    let petiole = (leaving + DVec3::y() * PETIOLE_RISE).try_normalize(1e-9).unwrap_or(leaving);
+    let (blade, normal) = attitude(petiole, shoot, settings, &mut stream);
+    let size = 1.0 + settings.leaf_size_spread * stream.normal();
+    let scale = shoot.scale * size.clamp(0.35, 1.65);
+    let base = surface(shoot, skeleton, petiole);
+    LeafSite { id: shoot.id, base, petiole, blade, normal, scale, order: shoot.order }
+}
+
+/// The point of the twig's surface that the petiole leaves from.
+fn surface(shoot: &Shoot, skeleton: &Skeleton, petiole: DVec3) -> DVec3 {
+    let Some(segment) = shoot.segment.map(|number| &skeleton.segments[number as usize]) else { return shoot.position };
+    let along = segment.direction();
+    let aside = petiole - along * along.dot(&petiole);
+    segment.end + aside.try_normalize(1e-9).unwrap_or_else(DVec3::zeros) * segment.radius
+}
+
+/// Directions of the blade's midrib and upper side.
+fn attitude(petiole: DVec3, shoot: &Shoot, settings: &Settings, stream: &mut Stream) -> (DVec3, DVec3) {
+    // Level part of the petiole, with a little of "away from the trunk" so that upright shoots fan out.
+    let outward = DVec3::new(shoot.position.x, 0.0, shoot.position.z).try_normalize(1e-6).unwrap_or_else(DVec3::x);
+    let level = DVec3::new(petiole.x, 0.0, petiole.z) + outward * 0.25;
+    let level = level.try_normalize(1e-6).unwrap_or(outward);
+    let level = rotated(level, DVec3::y(), (AZIMUTH_SPREAD * stream.normal()).to_radians());
+    let spread = INCLINATION_SPREAD * stream.normal();
+    let inclination = (settings.blade_inclination + spread).clamp(-90.0, 90.0).to_radians();
+    let blade = level * cos(inclination) - DVec3::y() * sin(inclination);
+    let normal = level * sin(inclination) + DVec3::y() * cos(inclination);
+    (blade, rotated(normal, blade, (ROLL_SPREAD * stream.normal()).to_radians()))
+}
