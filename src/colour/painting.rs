@@ -50,7 +50,8 @@ struct Ink {
 }
 
 /// Paints the textures of the jobs, in their order. The settings have passed [`check`](super::check); a job takes
-/// about 100 bytes x size^2 while it is painted and 6 bytes x size^2 for its result, to be allowed by the caller. A texture depends on its job, settings, blade and seed only.
+/// about 100 bytes x size^2 while it is painted and 6 bytes x size^2 for its result, to be allowed by the
+/// caller. A texture depends on its job, settings, blade and seed only.
 ///
 /// The mean over the blade is the state's colour without gloss. With a scan, the scan's detail is worn in the
 /// state's colour; the state whose colour is nearest to the scan's mean wears the scan as it is.
