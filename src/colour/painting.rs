@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 /// Rounds of matching a texture's mean to its state's colour; each undoes what clipping took in the one before.
 const MATCHING_ROUNDS: usize = 4;
 /// Pixels from the blade at which the background begins to fade to the mean colour, and at which it has.
-const FADE: (f32, f32) = (6.0, 40.0);
+const FADE: (f32, f32) = (2.0, 14.0);
 
 /// One texture to paint.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -49,8 +49,9 @@ struct Ink {
     wears_scan: bool,
 }
 
-/// Paints the textures of the jobs, in their order. The settings have passed [`check`](super::check); memory is
-/// 12 bytes x size^2 a job, to be allowed by the caller. A texture depends on its job, settings, blade and seed only.
+/// Paints the textures of the jobs, in their order. The settings have passed [`check`](super::check); a job takes
+/// about 100 bytes x size^2 while it is painted and 6 bytes x size^2 for its result, to be allowed by the
+/// caller. A texture depends on its job, settings, blade and seed only.
 ///
 /// The mean over the blade is the state's colour without gloss. With a scan, the scan's detail is worn in the
 /// state's colour; the state whose colour is nearest to the scan's mean wears the scan as it is.
@@ -66,7 +67,7 @@ pub fn paint(settings: &Settings, blade: &Blade, jobs: &[Job], seed: u64) -> (Ve
             Some(scan) => scanned(scan, ink),
             None => pigmented(&surface, ink, job, seed),
         };
-        finished(&surface, colours)
+        finished(&surface, &colours)
     };
     (jobs.par_iter().map(painted).collect(), figures(settings, &optics, &inks, jobs.len()))
 }
@@ -108,7 +109,7 @@ fn pigmented(surface: &Surface, ink: &Ink, job: &Job, seed: u64) -> Vec<Pair> {
         let pair = ink.palette.at(sample.contents);
         std::array::from_fn(|c| pair[c] * if c < 3 { sample.reflected } else { sample.transmitted })
     };
-    let mut colours = samples.iter().map(colour).collect();
+    let mut colours: Vec<Pair> = samples.iter().map(colour).collect();
     match_mean(&mut colours, &ink.mean);
     colours
 }
@@ -120,13 +121,13 @@ fn scanned(scan: &Scan, ink: &Ink) -> Vec<Pair> {
         let worn = scan.colours[pixel];
         std::array::from_fn(|c| if c < 3 && ink.wears_scan { worn[c] } else { ink.mean[c] * detail[c % 3] })
     };
-    let mut colours = (0..scan.colours.len()).map(colour).collect();
+    let mut colours: Vec<Pair> = (0..scan.colours.len()).map(colour).collect();
     match_mean(&mut colours, &ink.mean);
     colours
 }
 
 /// Scales each channel until its mean, clipped to 0..1, is that wanted.
-fn match_mean(colours: &mut Vec<Pair>, wanted: &Pair) {
+fn match_mean(colours: &mut [Pair], wanted: &Pair) {
     for _ in 0..MATCHING_ROUNDS {
         let found = mean(colours);
         let gains: Pair = std::array::from_fn(|c| wanted[c] / found[c].max(1e-9));
@@ -143,8 +144,8 @@ fn mean(colours: &[Pair]) -> Pair {
 
 /// Lays the blade's colours out over the whole texture: each pixel beyond takes the nearest one of the blade, fading
 /// with the distance to the mean, so that no mip level holds anything but leaf.
-fn finished(surface: &Surface, colours: Vec<Pair>) -> Painted {
-    let mean = mean(&colours);
+fn finished(surface: &Surface, colours: &[Pair]) -> Painted {
+    let mean = mean(colours);
     let mut number = vec![0usize; surface.inside.len()];
     let inside = (0..surface.inside.len()).filter(|&pixel| surface.inside[pixel]);
     inside.enumerate().for_each(|(index, pixel)| number[pixel] = index);

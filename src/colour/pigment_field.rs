@@ -102,7 +102,7 @@ impl Pattern<'_> {
         let supply = (0..ORDERS).map(|o| SUPPLY[o].1 * expf(-edges[o].max(0.0) / SUPPLY[o].0)).fold(0.0, f32::max);
         let covered = |edge: f32| (0.75 - edge * self.surface.size as f32).clamp(0.0, 1.0);
         let crease = expf(-edges[0].max(0.0) / 0.007).max(0.6 * expf(-edges[1].max(0.0) / 0.005));
-        Near { supply, core: [covered(edges[0]), (0.75 * covered(edges[1])).max(0.4 * covered(edges[2]))], crease }
+        Near { supply, core: [covered(edges[0]), (0.75 * covered(edges[1])).max(0.18 * covered(edges[2]))], crease }
     }
 
     /// A pixel's factors of chlorophyll and anthocyanins, and its scorch.
@@ -118,32 +118,42 @@ impl Pattern<'_> {
         let (broad, blotch) = (self.noise(5).octaves(u, v, 2.7), self.noise(6).octaves(x, y, 8.0));
         let margin = self.surface.margin[pixel];
         let rim = expf(-margin / 0.055);
-        let (speck, halo) = self.specks[pixel];
+        let (speck, halo) = self.speck(x, y);
 
         // How far ahead of its leaf this place ages.
         let ahead = 0.8 * rim + 0.55 * broad + 0.45 * blotch + 0.55 * (patch.value - 0.5) + 0.35 * (areole.value - 0.5)
-            - 1.25 * near.supply
+            - 1.45 * near.supply
             - 0.22 * net;
         let core = near.core[0].max(near.core[1]);
         let chlorophyll =
-            expf(-mix(0.20, 1.25, faded) * ahead) * (1.0 - mix(0.60, 0.35, faded) * core) * (1.0 - 0.7 * halo);
+            expf(-mix(0.20, 1.45, faded) * ahead) * (1.0 - mix(0.60, 0.35, faded) * core) * (1.0 - 0.4 * halo);
         let redness =
             0.55 * broad + 0.35 * blotch + 0.45 * (patch.value - 0.5) + 0.30 * (areole.value - 0.5) + 0.35 * rim
                 - 0.75 * near.supply
                 - 0.15 * net;
-        let anthocyanins = expf(mix(0.3, 1.0, faded) * redness) * (1.0 - 0.70 * core) * (1.0 + 0.5 * halo);
+        let anthocyanins = expf(mix(0.3, 1.0, faded) * redness) * (1.0 - 0.70 * core) * (1.0 + 0.3 * halo);
         Sample {
-            contents: [chlorophyll, anthocyanins, self.scorch(margin, broad + blotch, speck)],
+            contents: [chlorophyll, anthocyanins, self.scorch(margin, (x, y), broad, speck)],
             reflected: self.relief(&near, areole.value, net, (u, v)) * mix(1.0 + 0.45 * core, 1.0 + 0.22 * core, dead),
             transmitted: (1.0 - 0.45 * near.core[0]) * (1.0 - 0.25 * near.core[1]) * (1.0 - 0.08 * net),
         }
     }
 
+    /// Specks at a warped place, so that none is a perfect disc.
+    fn speck(&self, x: f32, y: f32) -> (f32, f32) {
+        let size = self.surface.size;
+        let pixel = |value: f32| ((value * size as f32).max(0.0) as usize).min(size - 1);
+        self.specks[pixel(y) * size + pixel(x)]
+    }
+
     /// Brown pigment of tissue that died early: a ragged band along parts of the margin, and specks.
-    fn scorch(&self, margin: f32, unevenness: f32, speck: f32) -> f32 {
-        let width = 0.016 * (0.35 + 1.4 * unevenness) * smooth_step(0.55, 1.0, self.age.faded);
-        let band = if width > 0.0 { 1.0 - smooth_step(0.25 * width, width, margin) } else { 0.0 };
-        (1.3 * band + 1.1 * speck) * mix(1.0, 0.5, self.age.dead)
+    fn scorch(&self, margin: f32, (x, y): (f32, f32), broad: f32, speck: f32) -> f32 {
+        // Whole stretches of the margin are spared; where it is scorched, the band's front is frayed at the scale of areoles.
+        let stretch = smooth_step(-0.1, 0.9, broad + 0.6 * self.noise(10).octaves(x, y, 6.0));
+        let frayed = 1.0 + 0.9 * self.noise(11).octaves(x, y, 26.0);
+        let width = 0.022 * stretch * frayed * smooth_step(0.55, 1.0, self.age.faded);
+        let band = if width > 0.0 { 1.0 - smooth_step(0.0, width, margin) } else { 0.0 };
+        (1.5 * band + 1.0 * speck) * mix(1.0, 0.6, self.age.dead)
     }
 
     /// Light and shade of the surface itself: creases beside veins, tissue that bulges between them, fine grain.
@@ -158,17 +168,17 @@ impl Pattern<'_> {
         let pixels = (0..self.surface.inside.len()).filter(|&pixel| self.surface.inside[pixel]);
         pixels.map(|pixel| {
             let (u, v) = self.surface.place(pixel);
-            let cloud = 0.30 * self.noise(8).octaves(u, v, 3.1) + 0.20 * self.noise(9).octaves(u, v, 11.0);
+            let cloud = 0.42 * self.noise(8).octaves(u, v, 3.1) + 0.30 * self.noise(9).octaves(u, v, 11.0);
             let patch = self.noise(3).cell(u, v, PATCHES).value - 0.5;
-            (1.0 + cloud + 0.25 * patch - 0.30 * self.near(pixel).supply * self.age.dead).max(0.3)
+            (1.0 + cloud + 0.35 * patch - 0.45 * self.near(pixel).supply * self.age.dead).max(0.3)
         })
     }
 }
 
-/// Dead specks: a Poisson number of dots, sizes log-normal about 0.3 % of the texture, each with a halo.
+/// Dead specks: a Poisson number of dots, sizes log-normal about 0.2 % of the texture, each with a halo.
 fn specks(size: usize, age: Age, stream: &mut Stream) -> Vec<(f32, f32)> {
     let mut covered = vec![(0.0f32, 0.0f32); size * size];
-    let (wanted, mut spent) = (f64::from(6.0 + 50.0 * age.faded), 0.0);
+    let (wanted, mut spent) = (f64::from(2.0 + 60.0 * age.faded), 0.0);
     loop {
         // Unit-rate events until `wanted` is spent are Poisson in number.
         spent += stream.exponential();
@@ -176,7 +186,7 @@ fn specks(size: usize, age: Age, stream: &mut Stream) -> Vec<(f32, f32)> {
             return covered;
         }
         let (x, y) = (stream.uniform() as f32, stream.uniform() as f32);
-        let radius = (0.003 * expf(0.5 * stream.normal() as f32)).min(0.012);
+        let radius = (0.0022 * expf(0.6 * stream.normal() as f32)).min(0.010);
         stamp(&mut covered, size, (x, y), radius);
     }
 }
