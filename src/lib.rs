@@ -20,5 +20,7 @@ pub mod colour;
 pub mod deform;
 pub mod frame;
 pub mod leaf;
+pub mod scene;
 pub mod season;
+pub mod species;
 pub mod tree;
