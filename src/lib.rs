@@ -17,9 +17,15 @@
 
 pub mod base;
 pub mod colour;
+pub mod compose;
 pub mod deform;
 pub mod frame;
 pub mod leaf;
+pub mod plan;
 pub mod raster;
+pub mod report;
+pub mod run;
+pub mod scene;
 pub mod season;
+pub mod species;
 pub mod tree;

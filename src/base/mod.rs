@@ -8,6 +8,7 @@ pub mod flat_mesh;
 pub mod limits;
 pub mod maths;
 pub mod mesh;
+pub mod message;
 pub mod picture;
 pub mod random;
 pub mod settings;

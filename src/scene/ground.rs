@@ -1,0 +1,21 @@
+//! What the tree stands on.
+
+use crate::{choice, settings};
+
+choice! {
+    /// What covers the ground.
+    pub enum Cover {
+        /// A meadow, fading into the distance.
+        Grass = "grass",
+        /// Nothing: the tree stands before the sky.
+        None = "none",
+    }
+}
+
+settings! {
+    /// The ground.
+    pub struct Ground {
+        /// What covers it.
+        kind: Cover = Cover::Grass;
+    }
+}

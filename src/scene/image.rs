@@ -1,0 +1,37 @@
+//! Size and antialiasing of the picture.
+
+use crate::base::settings::Complaint;
+use crate::settings;
+
+settings! {
+    /// The picture. Width times height is bounded by the limit `pixels`.
+    pub struct Image {
+        /// Pixels in a row.
+        width: u32 = 1920, unit "px", range 1 => 4294967295u32;
+        /// Rows.
+        height: u32 = 1080, unit "px", range 1 => 4294967295u32;
+        /// Samples in each pixel: 1, 4, 8 or 16.
+        samples: u32 = 8, range 1 => 16;
+    }
+}
+
+/// The numbers of samples for which there is a pattern.
+pub const SAMPLES: [u32; 4] = [1, 4, 8, 16];
+
+/// What is wrong with well-typed settings.
+#[must_use]
+pub fn check(image: &Image) -> Vec<Complaint> {
+    if SAMPLES.contains(&image.samples) {
+        return Vec::new();
+    }
+    let what = format!("{} samples in a pixel have no pattern", image.samples);
+    vec![Complaint::new("samples", what, "write 1, 4, 8 or 16")]
+}
+
+impl Image {
+    /// Pixels of the picture, which may exceed 32 bits.
+    #[must_use]
+    pub fn pixels(&self) -> f64 {
+        f64::from(self.width) * f64::from(self.height)
+    }
+}

@@ -1,0 +1,103 @@
+//! Lays tables over one another: species below, scene on it, `--set` above all. Tables merge key by key; everything else is
+//! replaced. Where keys exclude one another, naming one above takes the others away from below.
+
+use serde_json::{Map, Value};
+
+/// Groups of keys of which one is meant: a scene's `time.day` replaces the run of days below it.
+const ALTERNATIVES: [(&str, &[&[&str]]); 3] = [
+    ("time", &[&["day"], &["from", "to", "step"]]),
+    ("tree", &[&["age"], &["iterations"]]),
+    ("leaf", &[&["outline"], &["picture"], &["file"]]),
+];
+
+/// What describes growth: an L-system of the scene's own takes all of it away from the species, whose constants and age
+/// belong to other rules.
+const GROWTH: [&str; 6] = ["age", "axiom", "rules", "constants", "iterations", "angle"];
+
+/// Lays `above` over `below`.
+pub fn lay(below: &mut Value, above: Value) {
+    if let (Value::Object(below), Value::Object(above)) = (&mut *below, &above) {
+        make_room(below, above);
+    }
+    merge(below, above);
+}
+
+fn merge(below: &mut Value, above: Value) {
+    match (below, above) {
+        (Value::Object(below), Value::Object(above)) => {
+            for (key, value) in above {
+                match below.get_mut(&key) {
+                    Some(old) => merge(old, value),
+                    None => {
+                        below.insert(key, value);
+                    }
+                }
+            }
+        }
+        (below, above) => *below = above,
+    }
+}
+
+/// Takes from `below` what the keys of `above` exclude.
+fn make_room(below: &mut Map<String, Value>, above: &Map<String, Value>) {
+    for (table, groups) in ALTERNATIVES {
+        let (Some(Value::Object(old)), Some(Value::Object(new))) = (below.get_mut(table), above.get(table)) else {
+            continue;
+        };
+        let named = |group: &&&[&str]| group.iter().any(|key| new.contains_key(*key));
+        if groups.iter().any(|group| named(&group)) {
+            for key in groups.iter().filter(|group| !named(group)).copied().flatten() {
+                old.remove(*key);
+            }
+        }
+    }
+    if let (Some(Value::Object(old)), true) = (below.get_mut("tree"), is_whole_tree(above)) {
+        old.retain(|key, _| !GROWTH.contains(&key.as_str()));
+    }
+}
+
+/// Whether a layer has an L-system of its own.
+#[must_use]
+pub fn is_whole_tree(layer: &Map<String, Value>) -> bool {
+    let filled = |key: &str| match layer.get("tree").and_then(|tree| tree.get(key)) {
+        Some(Value::String(text)) => !text.trim().is_empty(),
+        Some(Value::Array(list)) => !list.is_empty(),
+        _ => false,
+    };
+    filled("axiom") && filled("rules")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn laid(mut below: Value, above: Value) -> Value {
+        lay(&mut below, above);
+        below
+    }
+
+    #[test]
+    fn tables_merge_and_lists_are_replaced() {
+        let below = json!({"season": {"states": {"green": {"half_life": 5.0, "next": ["red", "brown"]}}}});
+        let above = json!({"season": {"states": {"green": {"next": ["fallen"]}}}});
+        let green = json!({"half_life": 5.0, "next": ["fallen"]});
+        assert_eq!(laid(below, above), json!({"season": {"states": {"green": green}}}));
+    }
+
+    #[test]
+    fn a_day_replaces_a_run_and_a_step_refines_it() {
+        let run = json!({"time": {"from": 0.0, "to": 9.0}});
+        assert_eq!(laid(run.clone(), json!({"time": {"day": 3.0}})), json!({"time": {"day": 3.0}}));
+        let finer = laid(run, json!({"time": {"step": 0.5}}));
+        assert_eq!(finer, json!({"time": {"from": 0.0, "to": 9.0, "step": 0.5}}));
+    }
+
+    #[test]
+    fn a_whole_l_system_takes_the_species_growth_away_but_not_its_petioles() {
+        let species = json!({"tree": {"age": 30, "axiom": "B", "constants": {"r": 1.0}, "petiole": 60.0}});
+        let scene = json!({"tree": {"axiom": "A", "rules": ["A -> F"]}});
+        let tree = json!({"axiom": "A", "rules": ["A -> F"], "petiole": 60.0});
+        assert_eq!(laid(species, scene), json!({"tree": tree}));
+    }
+}
