@@ -1,0 +1,168 @@
+//! From a scan to key points in the blade's plane: segment, outline, key points, joint and axis.
+
+use crate::base::maths::{atan2, sincos};
+use crate::base::picture::Picture;
+use crate::base::vector::DVec2;
+use crate::leaf::grid::Grid;
+use crate::leaf::segmentation::segmented;
+use crate::leaf::{LeafError, contour, key_points, polygon};
+
+/// How the plane lies in the picture: a turn, a scale and the joint's place; the picture's rows run down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// The joint, pixels.
+    pub joint: DVec2,
+    /// Unit vector of the blade's axis in the picture, pixels.
+    pub axis: DVec2,
+    /// Metres of a pixel.
+    pub scale: f64,
+}
+
+impl Pose {
+    /// The point of the plane (metres) of a point of the picture (pixels).
+    pub fn plane(&self, pixel: DVec2) -> DVec2 {
+        let from = pixel - self.joint;
+        DVec2::new(from.dot(&self.across()), from.dot(&self.axis)) * self.scale
+    }
+
+    /// The point of the picture (pixels) of a point of the plane (metres).
+    pub fn pixel(&self, plane: DVec2) -> DVec2 {
+        self.joint + (self.across() * plane.x + self.axis * plane.y) / self.scale
+    }
+
+    /// The direction of +x in the picture: to the right of the axis as seen with rows running down.
+    fn across(&self) -> DVec2 {
+        DVec2::new(-self.axis.y, self.axis.x)
+    }
+}
+
+/// A traced scan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trace {
+    /// True on the blade.
+    pub blade: Grid<bool>,
+    /// The outline with sub-pixel places, pixels.
+    pub outline: Vec<DVec2>,
+    /// Key points, pixels, in the outline's order.
+    pub keys: Vec<DVec2>,
+    /// Hausdorff distance of the spline from the outline, pixels.
+    pub hausdorff: f64,
+    /// How plane and picture lie to each other.
+    pub pose: Pose,
+}
+
+/// Traces the leaf in a picture; `length` in metres from the joint to the farthest tip, `tolerance` in pixels, `corner` in
+/// radians.
+///
+/// # Errors
+/// [`LeafError::Picture`] when there is no leaf, or its outline cannot be followed.
+pub fn traced(picture: &Picture, length: f64, tolerance: f64, corner: f64) -> Result<Trace, LeafError> {
+    let segment = segmented(picture)?;
+    let outline = contour::outlined(&segment.blade);
+    if outline.len() < 16 {
+        return Err(LeafError::picture("the leaf is too small in the picture"));
+    }
+    let pose = posed(&segment.blade, &outline, segment.joint, length);
+    let mut bound = tolerance;
+    for _ in 0..4 {
+        let chosen = key_points::chosen(&outline, bound, corner);
+        let spline = key_points::spline(&outline, &chosen, corner);
+        let line = spline.polyline(16);
+        if polygon::crossing(&line).is_none() {
+            let keys = chosen.iter().map(|&i| outline[i]).collect();
+            let hausdorff = polygon::hausdorff(&line, &outline);
+            return Ok(Trace { blade: segment.blade, outline, keys, hausdorff, pose });
+        }
+        bound *= 0.5;
+    }
+    Err(LeafError::picture("the leaf's outline crosses itself; try a larger picture or a smaller leaf.tolerance"))
+}
+
+fn posed(blade: &Grid<bool>, outline: &[DVec2], stalk: Option<DVec2>, length: f64) -> Pose {
+    let centre = centroid(blade);
+    let near = |target: DVec2| {
+        let far = |p: &&DVec2| (*p - target).norm();
+        outline.iter().min_by(|a, b| far(a).total_cmp(&far(b))).copied().unwrap_or(target)
+    };
+    let joint = stalk.map_or_else(|| symmetric_joint(blade, outline, centre), near);
+    let heading = (centre - joint).try_normalize(0.0).unwrap_or_else(DVec2::y);
+    let ahead = |p: &&DVec2| {
+        let from = *p - joint;
+        from.dot(&heading) > from.norm() * 0.82
+    };
+    let far = |p: &DVec2| (p - joint).norm();
+    let tip = outline.iter().filter(ahead).max_by(|a, b| far(a).total_cmp(&far(b))).copied().unwrap_or(centre);
+    let farthest = outline.iter().map(far).fold(0.0, f64::max);
+    Pose { joint, axis: (tip - joint).try_normalize(0.0).unwrap_or_else(DVec2::y), scale: length / farthest }
+}
+
+fn centroid(blade: &Grid<bool>) -> DVec2 {
+    let mut sum = DVec2::zeros();
+    for (i, _) in blade.cells.iter().enumerate().filter(|(_, c)| **c) {
+        sum += DVec2::new((i % blade.width) as f64 + 0.5, (i / blade.width) as f64 + 0.5);
+    }
+    sum / blade.area().max(1) as f64
+}
+
+/// Without a stalk: where the axis of the best mirror symmetry through the centroid leaves the blade on its nearer side,
+/// drawn to the nearest inward place of the outline. The base of a blade is broader than its tip, so it is the nearer end.
+fn symmetric_joint(blade: &Grid<bool>, outline: &[DVec2], centre: DVec2) -> DVec2 {
+    let stride = ((blade.area() as f64 / 3000.0).sqrt().ceil() as usize).max(1);
+    let inside = |p: DVec2| {
+        let (x, y) = (p.x.floor(), p.y.floor());
+        let fits = x >= 0.0 && y >= 0.0 && x < blade.width as f64 && y < blade.height as f64;
+        fits && blade.at(x as usize, y as usize)
+    };
+    let samples: Vec<DVec2> = (0..blade.height)
+        .step_by(stride)
+        .flat_map(|y| (0..blade.width).step_by(stride).map(move |x| DVec2::new(x as f64 + 0.5, y as f64 + 0.5)))
+        .filter(|&p| inside(p))
+        .collect();
+    let axis = |step: u32| {
+        let (sine, cosine) = sincos(f64::from(step) * std::f64::consts::PI / 180.0);
+        DVec2::new(cosine, sine)
+    };
+    let matching = |step: &u32| {
+        let axis = axis(*step);
+        let mirrored = |p: &&DVec2| {
+            let from = *p - centre;
+            inside(centre + axis * (2.0 * from.dot(&axis)) - from)
+        };
+        samples.iter().filter(mirrored).count()
+    };
+    let best = axis((0..180).max_by_key(|s| (matching(s), std::cmp::Reverse(*s))).unwrap_or(90));
+    let end = |heading: DVec2| {
+        let off = |p: &&DVec2| {
+            let from = *p - centre;
+            atan2(heading.perp(&from), heading.dot(&from)).abs()
+        };
+        outline
+            .iter()
+            .filter(|p| off(p) < 0.15)
+            .min_by(|a, b| (*a - centre).norm().total_cmp(&(*b - centre).norm()))
+            .copied()
+            .unwrap_or(centre)
+    };
+    let ends = [end(best), end(-best)];
+    if (ends[0] - centre).norm() <= (ends[1] - centre).norm() { ends[0] } else { ends[1] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pose_goes_there_and_back() {
+        let axis = DVec2::new(0.6, -0.8);
+        let pose = Pose { joint: DVec2::new(100.0, 200.0), axis, scale: 0.001 };
+        let p = DVec2::new(0.01, 0.03);
+        assert!((pose.plane(pose.pixel(p)) - p).norm() < 1e-15);
+        assert!((pose.plane(pose.joint + axis * 10.0) - DVec2::new(0.0, 0.01)).norm() < 1e-15);
+    }
+
+    #[test]
+    fn an_upright_leaf_is_not_mirrored() {
+        let pose = Pose { joint: DVec2::zeros(), axis: DVec2::new(0.0, -1.0), scale: 1.0 };
+        assert!((pose.plane(DVec2::new(1.0, 0.0)) - DVec2::new(1.0, 0.0)).norm() < 1e-15);
+    }
+}
