@@ -257,9 +257,35 @@ mod tests {
     #[test]
     fn every_flag_of_render_is_read() {
         let found = render(&[
-            "--out", "o", "--frames", "-3--1,4", "--shard", "1/4", "--set", "a.b=1", "--set", "c = [1, 2]", "--threads",
-            "7", "--report", "r.json", "--progress", "openjd", "--keep-going", "--force", "--asset-root", "x",
-            "--asset-root", "y", "--states", "s.csv", "--memory-limit", "2G", "--limit", "leaves=1e3", "--limit",
+            "--out",
+            "o",
+            "--frames",
+            "-3--1,4",
+            "--shard",
+            "1/4",
+            "--set",
+            "a.b=1",
+            "--set",
+            "c = [1, 2]",
+            "--threads",
+            "7",
+            "--report",
+            "r.json",
+            "--progress",
+            "openjd",
+            "--keep-going",
+            "--force",
+            "--asset-root",
+            "x",
+            "--asset-root",
+            "y",
+            "--states",
+            "s.csv",
+            "--memory-limit",
+            "2G",
+            "--limit",
+            "leaves=1e3",
+            "--limit",
             "symbols=5",
         ]);
         assert_eq!(found.frames, Some("-3--1,4".parse().unwrap()));
@@ -306,7 +332,8 @@ mod tests {
 
     #[test]
     fn sizes_are_read() {
-        let table = [("0", 0.0), ("512M", 512e6), ("2G", 2e9), ("2GB", 2e9), ("1.5KiB", 1536.0), ("1Ti", 1_099_511_627_776.0)];
+        let table =
+            [("0", 0.0), ("512M", 512e6), ("2G", 2e9), ("2GB", 2e9), ("1.5KiB", 1536.0), ("1Ti", 1_099_511_627_776.0)];
         for (text, bytes) in table {
             assert_eq!(parse_size(text), Ok(bytes), "{text}");
         }

@@ -32,8 +32,8 @@ fn flip_agrees_with_the_reference_implementation() {
     }
 }
 
-/// Means of the error maps of the reference implementation, in single precision.
-const REFERENCE: [f64; 3] = [0.0, 0.0, 0.0];
+/// Mean errors that the reference implementation returns, in single precision.
+const REFERENCE: [f64; 3] = [0.198_385_97, 0.786_249_34, 0.386_027_43];
 
 #[test]
 fn the_figures_go_into_json() {

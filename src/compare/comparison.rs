@@ -58,7 +58,8 @@ fn rmse(a: &Picture, b: &Picture) -> f64 {
     let table = linear_table();
     // Rows are summed by themselves first: short sums of like numbers lose less, and the order is fixed.
     let row_sum = |(row_a, row_b): (&[[u8; 4]], &[[u8; 4]])| {
-        let squares = row_a.iter().zip(row_b).map(|(&p, &q)| square_distance(over(p, 0.0, &table), over(q, 0.0, &table)));
+        let squares =
+            row_a.iter().zip(row_b).map(|(&p, &q)| square_distance(over(p, 0.0, &table), over(q, 0.0, &table)));
         squares.sum::<f64>()
     };
     let width = a.width.max(1) as usize;

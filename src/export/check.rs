@@ -25,8 +25,7 @@ pub(super) fn check(frame: &Frame) -> Result<Vec<Placement>, ExportError> {
 
 fn check_model(frame: &Frame, model: &Model) -> Result<(), ExportError> {
     for part in &model.parts {
-        let missing =
-            |kind, number| ExportError::Missing { what: format!("model {:?}", model.name), kind, number };
+        let missing = |kind, number| ExportError::Missing { what: format!("model {:?}", model.name), kind, number };
         let mesh = frame.meshes.get(part.mesh as usize).ok_or_else(|| missing("mesh", part.mesh))?;
         mesh.check().map_err(|fault| ExportError::Mesh { mesh: part.mesh as usize, fault })?;
         let material = frame.materials.get(part.material as usize).ok_or_else(|| missing("material", part.material))?;

@@ -1,7 +1,7 @@
 //! Meshes of the frame as glTF meshes: one for each model, a primitive for each part; and models baked together.
 
-use super::document::{Document, Vertices};
 use super::ExportError;
+use super::document::{Document, Vertices};
 use crate::base::mesh::Mesh;
 use crate::base::vector::Affine;
 use gltf_json::buffer::Target;
@@ -38,7 +38,9 @@ impl Document<'_> {
         let mut primitives = Vec::new();
         for (material, parts) in parts_by_material(self, instances) {
             let mut all = Mesh::default();
-            parts.iter().for_each(|(mesh, transform)| all.append(&moved(&self.frame.meshes[*mesh as usize], transform)));
+            parts
+                .iter()
+                .for_each(|(mesh, transform)| all.append(&moved(&self.frame.meshes[*mesh as usize], transform)));
             if !all.triangles.is_empty() {
                 let material = self.material(material)?;
                 primitives.push(primitive(self.write_vertices(&all), material));

@@ -21,7 +21,8 @@ impl Names {
 
 fn plain(wanted: &str) -> String {
     let allowed = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_' || c == '-';
-    let kept: String = wanted.chars().map(|c| c.to_ascii_lowercase()).map(|c| if allowed(c) { c } else { '_' }).collect();
+    let kept: String =
+        wanted.chars().map(|c| c.to_ascii_lowercase()).map(|c| if allowed(c) { c } else { '_' }).collect();
     if kept.starts_with(|c: char| c.is_ascii_lowercase()) { kept } else { format!("n_{kept}") }
 }
 

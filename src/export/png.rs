@@ -81,7 +81,10 @@ mod tests {
     fn the_colour_space_is_named_and_no_text_or_time_is_there() {
         let names = chunks(&png(&gradient(255)).unwrap());
         assert!(names.iter().any(|name| name == "sRGB"), "{names:?}");
-        assert!(names.iter().all(|n| ["IHDR", "sRGB", "gAMA", "cHRM", "IDAT", "IEND"].contains(&n.as_str())), "{names:?}");
+        assert!(
+            names.iter().all(|n| ["IHDR", "sRGB", "gAMA", "cHRM", "IDAT", "IEND"].contains(&n.as_str())),
+            "{names:?}"
+        );
     }
 
     #[test]

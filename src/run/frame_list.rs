@@ -241,7 +241,9 @@ mod tests {
 
     #[test]
     fn wrong_forms_are_refused() {
-        for text in ["a", "1..3", "1-", "-", "--3", "1-2-3", "5:2", "1-3:", "1-3:-1", "+3", "1 2", "١", "1-3:1:1", "é-3"] {
+        for text in
+            ["a", "1..3", "1-", "-", "--3", "1-2-3", "5:2", "1-3:", "1-3:-1", "+3", "1 2", "١", "1-3:1:1", "é-3"]
+        {
             assert!(matches!(text.parse::<FrameList>(), Err(FrameListFault::Form { .. })), "{text}");
         }
         for text in ["", ",", "1,", " "] {

@@ -115,7 +115,9 @@ impl Progress {
             Event::Started { frames } => format!("{frames} frames to do\n"),
             Event::Drawn { frame } => format!("[{done}/{frames}] frame {frame} drawn\n"),
             Event::Kept { frame } => format!("[{done}/{frames}] frame {frame} kept\n"),
-            Event::Failed { frame, message } => format!("[{done}/{frames}] frame {frame} failed: {}\n", escaped(message)),
+            Event::Failed { frame, message } => {
+                format!("[{done}/{frames}] frame {frame} failed: {}\n", escaped(message))
+            }
             Event::Status { message } | Event::Stopped { message } => format!("{}\n", escaped(message)),
         }
     }

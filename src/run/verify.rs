@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn gaps_are_named_as_ranges() {
         let folder = tempdir().unwrap();
-        [2, 3, 5].map(|frame| put(folder.path(), frame, 1_000_000_000_000, "s"));
+        [2, 3, 5].into_iter().for_each(|frame| put(folder.path(), frame, 1_000_000_000_000, "s"));
         let gap = |first, last| Fault::Missing { scene: "maple".to_owned(), first, last };
         assert_eq!(verify(folder.path()).unwrap().faults, [gap(0, 1), gap(4, 4), gap(6, 999_999_999_999)]);
         assert!(gap(4, 4).to_string().ends_with("--frames 4"));
