@@ -254,7 +254,8 @@ fn large_meshes_take_wide_indices_and_small_ones_narrow() {
 #[test]
 fn broken_frames_are_refused_and_nothing_is_written() {
     type Break = fn(&mut Frame);
-    let table: [(Break, fn(&ExportError) -> bool); 8] = [
+    type IsWanted = fn(&ExportError) -> bool;
+    let table: [(Break, IsWanted); 8] = [
         (|f| f.instances[3].model = 9, |e| matches!(e, ExportError::Missing { kind: "model", number: 9, .. })),
         (|f| f.models[1].parts[0].mesh = 9, |e| matches!(e, ExportError::Missing { kind: "mesh", .. })),
         (|f| f.models[1].parts[0].material = 9, |e| matches!(e, ExportError::Missing { kind: "material", .. })),
