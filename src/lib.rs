@@ -16,9 +16,12 @@
 //! The method is that of Tang, Wu and Fan, "Computational Approach to Seasonal Changes of Living Leaves" (2013).
 
 pub mod base;
+pub mod cli;
 pub mod colour;
+pub mod compare;
 pub mod compose;
 pub mod deform;
+pub mod export;
 pub mod frame;
 pub mod leaf;
 pub mod plan;

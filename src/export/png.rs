@@ -1,0 +1,97 @@
+//! A picture as a PNG file: 8-bit sRGB, RGB when every pixel is opaque and RGBA otherwise.
+
+use super::ExportError;
+use crate::base::picture::Picture;
+use ::png::{BitDepth, ColorType, Compression, Encoder, SrgbRenderingIntent};
+
+/// Encodes a picture. The file has an sRGB chunk and neither text nor time.
+///
+/// # Errors
+/// [`ExportError::Size`] when the pixels do not fill the picture, [`ExportError::Png`] from the encoder.
+pub fn png(picture: &Picture) -> Result<Vec<u8>, ExportError> {
+    let (width, height) = (picture.width, picture.height);
+    check_size("picture", width, height, picture.pixels.len())?;
+    if picture.pixels.iter().all(|pixel| pixel[3] == 255) {
+        let opaque: Vec<[u8; 3]> = picture.pixels.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
+        return encode(width, height, ColorType::Rgb, opaque.as_flattened());
+    }
+    encode(width, height, ColorType::Rgba, picture.pixels.as_flattened())
+}
+
+/// Encodes opaque pixels, rows from the top.
+pub(super) fn opaque(width: u32, height: u32, pixels: &[[u8; 3]]) -> Result<Vec<u8>, ExportError> {
+    encode(width, height, ColorType::Rgb, pixels.as_flattened())
+}
+
+/// Refuses an empty picture and one whose pixels do not fill it.
+pub(super) fn check_size(what: &str, width: u32, height: u32, pixels: usize) -> Result<(), ExportError> {
+    if pixels > 0 && pixels as u64 == u64::from(width) * u64::from(height) {
+        return Ok(());
+    }
+    Err(ExportError::Size { what: what.to_owned(), width, height, pixels })
+}
+
+fn encode(width: u32, height: u32, colour: ColorType, bytes: &[u8]) -> Result<Vec<u8>, ExportError> {
+    let mut file = Vec::new();
+    let mut encoder = Encoder::new(&mut file, width, height);
+    encoder.set_color(colour);
+    encoder.set_depth(BitDepth::Eight);
+    // Measured on 1080p frames: Balanced takes 28 times as long for a file smaller by a tenth.
+    encoder.set_compression(Compression::Fast);
+    encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(bytes)?;
+    writer.finish()?;
+    Ok(file)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::{DynamicImage, ImageFormat, load_from_memory_with_format};
+
+    fn gradient(alpha: u8) -> Picture {
+        let pixels = (0..35u8).map(|i| [i * 7, 255 - i, i, if i == 3 { alpha } else { 255 }]).collect();
+        Picture { width: 7, height: 5, pixels }
+    }
+
+    fn chunks(file: &[u8]) -> Vec<String> {
+        let mut names = Vec::new();
+        let mut at = 8;
+        while at + 8 <= file.len() {
+            let length = u32::from_be_bytes(file[at..at + 4].try_into().unwrap()) as usize;
+            names.push(String::from_utf8_lossy(&file[at + 4..at + 8]).into_owned());
+            at += 12 + length;
+        }
+        names
+    }
+
+    #[test]
+    fn another_decoder_reads_the_same_pixels() {
+        for alpha in [255, 17] {
+            let picture = gradient(alpha);
+            let image = load_from_memory_with_format(&png(&picture).unwrap(), ImageFormat::Png).unwrap();
+            assert_eq!(matches!(image, DynamicImage::ImageRgb8(_)), alpha == 255);
+            assert_eq!((image.width(), image.height()), (7, 5));
+            assert_eq!(image.to_rgba8().into_raw(), picture.pixels.as_flattened());
+        }
+    }
+
+    #[test]
+    fn the_colour_space_is_named_and_no_text_or_time_is_there() {
+        let names = chunks(&png(&gradient(255)).unwrap());
+        assert!(names.iter().any(|name| name == "sRGB"), "{names:?}");
+        assert!(
+            names.iter().all(|n| ["IHDR", "sRGB", "gAMA", "cHRM", "IDAT", "IEND"].contains(&n.as_str())),
+            "{names:?}"
+        );
+    }
+
+    #[test]
+    fn pixels_that_do_not_fill_the_picture_are_refused() {
+        let mut picture = gradient(255);
+        picture.pixels.pop();
+        assert!(matches!(png(&picture), Err(ExportError::Size { pixels: 34, .. })));
+        assert!(matches!(png(&Picture::default()), Err(ExportError::Size { .. })));
+    }
+}
