@@ -1,2 +1,185 @@
-//! The `leafseason` command.
-fn main() {}
+//! The `leafseason` command: reads arguments, calls the library, prints and exits.
+
+use clap::Parser;
+use leafseason::base::diagnostic::{Diagnostic, Diagnostics, Fault};
+use leafseason::base::limits::Limits;
+use leafseason::base::message;
+use leafseason::cli::{Cli, Command, Compare, New, Plan, Render, SceneArguments, Verify};
+use leafseason::run::progress::{Event, Progress};
+use leafseason::run::signals::Signals;
+use leafseason::run::{self, Options};
+use leafseason::scene::{self, Asset, Scene};
+use leafseason::{compare, species};
+use std::io::Write;
+use std::path::Path;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    std::panic::set_hook(Box::new(|panic| {
+        let what = panic.payload_as_str().unwrap_or("unknown");
+        let place = panic.location().map_or_else(String::new, |at| format!(" at {}:{}", at.file(), at.line()));
+        let version = env!("CARGO_PKG_VERSION");
+        complain(&format!(
+            "error: this is a bug of leafseason {version}{place}: {what}; please report it with the scene\n"
+        ));
+    }));
+    let outcome = std::panic::catch_unwind(|| {
+        let cli = match Cli::try_parse() {
+            Ok(cli) => cli,
+            Err(answer) => {
+                let _ = answer.print();
+                return answer.exit_code() as u8;
+            }
+        };
+        command(cli.command).unwrap_or_else(|faults| {
+            complain(&message::render_all(&faults.0));
+            faults.exit_code()
+        })
+    });
+    ExitCode::from(outcome.unwrap_or_else(|_| Fault::Bug.exit_code()))
+}
+
+fn command(command: Command) -> Result<u8, Diagnostics> {
+    match command {
+        Command::Render(arguments) => render(&arguments),
+        Command::Plan(arguments) => plan(&arguments),
+        Command::Compare(arguments) => compare_pictures(&arguments),
+        Command::Verify(arguments) => verify(&arguments),
+        Command::New(arguments) => new_scene(&arguments),
+        Command::Species => {
+            let lines: String = species::list().iter().map(|(name, line)| format!("{name:<16} {line}\n")).collect();
+            Ok(print(&lines))
+        }
+        Command::Schema => Ok(print(&json(&scene::json_schema())?)),
+    }
+}
+
+fn render(arguments: &Render) -> Result<u8, Diagnostics> {
+    let signals = Signals::listen()
+        .map_err(|error| Diagnostic::error(Fault::Bug, format!("signals cannot be heard: {error}"), ""))?;
+    use_threads(arguments.threads)?;
+    let (scene, limits) = read(&arguments.scene)?;
+    let options = Options {
+        out: arguments.out.clone(),
+        frames: arguments.frames.clone(),
+        shard: Some(arguments.shard),
+        keep_going: arguments.keep_going,
+        force: arguments.force,
+        states: arguments.states.clone(),
+        limits,
+        leave_out: true,
+    };
+    let mut progress = Progress::new(arguments.progress);
+    let outcome = run::render(&scene, &options, &mut progress, &signals).inspect_err(|faults| {
+        progress.tell(Event::Stopped { message: &faults.to_string() });
+    })?;
+    match &arguments.report {
+        Some(path) => run::write_report(path, &outcome.report)?,
+        None => complain(&outcome.report.table()),
+    }
+    if let Some(code) = signals.exit_code().filter(|_| outcome.interrupted) {
+        return Ok(code);
+    }
+    for (frame, faults) in &outcome.failed {
+        complain(&format!("frame {frame} failed:\n{}", message::render_all(&faults.0)));
+    }
+    Ok(if outcome.failed.is_empty() { 0 } else { 7 })
+}
+
+fn plan(arguments: &Plan) -> Result<u8, Diagnostics> {
+    let (scene, limits) = read(&arguments.scene)?;
+    let plan = run::plan(&scene, &Options { limits, ..Options::default() })?;
+    Ok(print(&if arguments.json { json(&plan)? } else { plan.text() }))
+}
+
+fn compare_pictures(arguments: &Compare) -> Result<u8, Diagnostics> {
+    let limits = Limits::default();
+    let picture = |path: &Path| {
+        let asset = Asset::outside(path);
+        scene::read_picture(&asset, &limits)
+    };
+    let (a, b) = (picture(&arguments.a)?, picture(&arguments.b)?);
+    let comparison = match compare::compare(&a, &b) {
+        Ok(comparison) => comparison,
+        Err(sizes) => {
+            complain(&format!("{sizes}\n"));
+            return Ok(1);
+        }
+    };
+    if arguments.json {
+        print(&json(&comparison)?);
+    } else {
+        let compare::Comparison { max_difference, differing_pixels, rmse, flip } = comparison;
+        print(&format!(
+            "max difference {max_difference}, differing pixels {differing_pixels}, RMSE {rmse:.3e} (linear light), FLIP {flip:.3e}\n"
+        ));
+    }
+    Ok(u8::from(comparison.max_difference > arguments.max))
+}
+
+fn verify(arguments: &Verify) -> Result<u8, Diagnostics> {
+    let folder = &arguments.folder;
+    let found = run::verify::verify(folder).map_err(|error| {
+        let what = format!("cannot read the folder {}: {error}", message::shown(&folder.to_string_lossy(), 200));
+        Diagnostic::error(Fault::Usage, what, "name the folder that `render` wrote to")
+    })?;
+    let faults: String = found.faults.iter().map(|fault| format!("{fault}\n")).collect();
+    print(&format!("{faults}{} frame(s), {} file(s), {} fault(s)\n", found.frames, found.files, found.faults.len()));
+    Ok(u8::from(!found.faults.is_empty()))
+}
+
+fn new_scene(arguments: &New) -> Result<u8, Diagnostics> {
+    let folder = &arguments.folder;
+    if species::text(&arguments.species).is_none() {
+        let known: Vec<&str> = species::names().collect();
+        let what = format!("there is no built-in species `{}`", message::shown(&arguments.species, 60));
+        return Err(Diagnostic::error(Fault::Usage, what, format!("take one of: {}", known.join(", "))).into());
+    }
+    let file = folder.join("scene.toml");
+    let failed = |error: &dyn std::fmt::Display| {
+        let what = format!("cannot write {}: {error}", message::shown(&file.to_string_lossy(), 200));
+        Diagnostic::error(Fault::Output, what, "name another folder")
+    };
+    if file.exists() {
+        return Err(failed(&"it exists already").into());
+    }
+    std::fs::create_dir_all(folder).map_err(|error| failed(&error))?;
+    let text = scene::starter(&arguments.species);
+    run::files::write(&file, text.as_bytes()).map_err(|error| failed(&error))?;
+    Ok(print(&format!("{}\n", message::shown(&file.to_string_lossy(), 1000))))
+}
+
+/// Reads a scene with its arguments and prints its warnings.
+fn read(arguments: &SceneArguments) -> Result<(Scene, Limits), Diagnostics> {
+    let limits = arguments.limits();
+    let sets: Vec<String> = arguments.set.iter().map(|set| set.text()).collect();
+    let (scene, warnings) = scene::read(&arguments.scene, &sets, &arguments.asset_root, &limits)?;
+    complain(&message::render_all(&warnings));
+    Ok((scene, limits))
+}
+
+fn use_threads(threads: Option<u16>) -> Result<(), Diagnostics> {
+    let count = threads.map_or(0, usize::from);
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(count)
+        .build_global()
+        .map_err(|error| Diagnostic::error(Fault::Bug, format!("threads cannot be started: {error}"), "").into())
+}
+
+fn json(value: &impl serde::Serialize) -> Result<String, Diagnostics> {
+    let text = serde_json::to_string_pretty(value);
+    text.map(|text| text + "\n")
+        .map_err(|error| Diagnostic::error(Fault::Bug, format!("no JSON can be made of it: {error}"), "").into())
+}
+
+/// Prints what was asked for; a reader that has gone away is no fault.
+fn print(text: &str) -> u8 {
+    let mut out = std::io::stdout().lock();
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    0
+}
+
+/// Prints what the person should know.
+fn complain(text: &str) {
+    let _ = std::io::stderr().write_all(text.as_bytes());
+}

@@ -175,7 +175,9 @@ fn plan_leaves(
         plan.job("leaf", "", &["deform", "colour"]);
     }
     let textured = scene.output.png || scene.output.gltf.is_some();
-    for (stage, feeds, count) in [("deform", "compose", scene.deform.shapes), ("colour", "compose", scene.colour.variants)] {
+    for (stage, feeds, count) in
+        [("deform", "compose", scene.deform.shapes), ("colour", "compose", scene.colour.variants)]
+    {
         if stage == "colour" && !textured && !kept.is_empty() {
             plan.leave(stage, Reason::NotAskedFor);
             continue;

@@ -107,9 +107,10 @@ impl Report {
     pub fn table(&self) -> String {
         let mut text = format!("{:<8} {:>5} {:>10} {:>9}  error\n", "stage", "runs", "items", "seconds");
         for stage in &self.stages {
-            let error = stage.error.as_ref().map_or_else(String::new, |error| {
-                format!("{:.2e} {} ({})", error.value, error.unit, error.metric)
-            });
+            let error = stage
+                .error
+                .as_ref()
+                .map_or_else(String::new, |error| format!("{:.2e} {} ({})", error.value, error.unit, error.metric));
             let StageReport { name, runs, items, seconds, .. } = stage;
             let _ = writeln!(text, "{name:<8} {runs:>5} {items:>10} {seconds:>9.3}  {error}");
         }
@@ -130,13 +131,7 @@ mod tests {
     #[test]
     fn runs_of_a_stage_add_up_in_the_order_of_the_work() {
         let mut report = Report::default();
-        let error = |value| ErrorFigure {
-            metric: "m".into(),
-            value,
-            unit: "u".into(),
-            bound: None,
-            how: "h".into(),
-        };
+        let error = |value| ErrorFigure { metric: "m".into(), value, unit: "u".into(), bound: None, how: "h".into() };
         report.add("raster", 1.0, Figures { error: Some(error(0.2)), ..Figures::of(3) }.with("cpu_seconds", 1.5));
         report.add("tree", 0.5, Figures::of(7));
         report.add("raster", 2.0, Figures { error: Some(error(0.1)), ..Figures::of(4) }.with("cpu_seconds", 2.0));

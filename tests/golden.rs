@@ -71,9 +71,8 @@ fn strip(expected: &Picture, actual: &Picture) -> Picture {
     for (index, &found) in actual.pixels.iter().enumerate() {
         let (x, y) = (index % actual.width as usize, index / actual.width as usize);
         let wanted = expected.pixels[index];
-        let gap: [u8; 4] = std::array::from_fn(|k| {
-            if k == 3 { 255 } else { wanted[k].abs_diff(found[k]).saturating_mul(8) }
-        });
+        let gap: [u8; 4] =
+            std::array::from_fn(|k| if k == 3 { 255 } else { wanted[k].abs_diff(found[k]).saturating_mul(8) });
         for (part, pixel) in [wanted, gap, found].into_iter().enumerate() {
             strip.pixels[y * strip.width as usize + part * actual.width as usize + x] = pixel;
         }

@@ -24,8 +24,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     (
         "run",
         &[
-            "base", "frame", "leaf", "deform", "colour", "season", "tree", "raster", "export", "scene", "compose", "plan",
-            "report",
+            "base", "frame", "leaf", "deform", "colour", "season", "tree", "raster", "export", "scene", "compose",
+            "plan", "report",
         ],
     ),
     ("cli", &["base", "run"]),
@@ -60,7 +60,8 @@ fn named(text: &str) -> Vec<(usize, String)> {
             continue;
         }
         let rest = &text[start + "crate::".len()..];
-        let name = |part: &str| part.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
+        let name =
+            |part: &str| part.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
         if let Some(group) = rest.strip_prefix('{') {
             let mut depth = 0;
             let mut part = String::new();

@@ -16,7 +16,7 @@ use crate::base::random::{Purpose, Stream};
 use crate::base::vector::{Affine, DVec3, Mat3, Vec3};
 use crate::colour::Painted;
 use crate::frame::{Camera, Frame, Instance, Material, Model, Part, Texture, ToneMap, View};
-use crate::scene::{Scene, ground::Kind as GroundKind, light::Tone};
+use crate::scene::{Scene, ground::Cover, light::Tone};
 use crate::tree::{LeafSite, Tree};
 use std::collections::BTreeMap;
 
@@ -77,7 +77,7 @@ impl Stock {
         if !wardrobe.shapes.is_empty() {
             stock.add_leaves(scene, wardrobe);
         }
-        if scene.output.png && scene.ground.kind == GroundKind::Grass {
+        if scene.output.png && scene.ground.kind == Cover::Grass {
             let number = stock.push_texture(ground::texture(scene.seed));
             stock.ground = Some(ground::ground(number));
         }

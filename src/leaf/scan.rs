@@ -76,7 +76,8 @@ fn dilate(cells: &mut [Option<[f32; 3]>]) {
         for (&i, colour) in front.iter().zip(colours) {
             cells[i] = Some(colour);
         }
-        let mut next: Vec<usize> = front.iter().flat_map(|&i| grid.neighbours(i)).filter(|&n| cells[n].is_none()).collect();
+        let mut next: Vec<usize> =
+            front.iter().flat_map(|&i| grid.neighbours(i)).filter(|&n| cells[n].is_none()).collect();
         next.sort_unstable();
         next.dedup();
         front = next;

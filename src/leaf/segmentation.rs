@@ -64,8 +64,7 @@ fn coloured(picture: &Picture) -> Result<Grid<bool>, LeafError> {
         lab.cells.iter().map(far).collect()
     };
     let colour = distance(0.0);
-    let far =
-        if percentile(&colour, 0.995) < COLOURLESS { distance(1.0) } else { distance(LIGHTNESS_WEIGHT) };
+    let far = if percentile(&colour, 0.995) < COLOURLESS { distance(1.0) } else { distance(LIGHTNESS_WEIGHT) };
     let top = percentile(&far, 0.995);
     if top < 1.0 {
         return Err(LeafError::picture("the picture is of one colour"));
@@ -94,7 +93,8 @@ fn lab_of(picture: &Picture) -> Grid<[f32; 3]> {
         (0..width as i64)
             .map(|x| {
                 let taps = [at(x - 2), at(x - 1), at(x), at(x + 1), at(x + 2)];
-                let code = |c: usize| (taps[0][c] + 4 * taps[1][c] + 6 * taps[2][c] + 4 * taps[3][c] + taps[4][c]) / 256;
+                let code =
+                    |c: usize| (taps[0][c] + 4 * taps[1][c] + 6 * taps[2][c] + 4 * taps[3][c] + taps[4][c]) / 256;
                 lab([0, 1, 2].map(|c| linear[code(c).min(255) as usize]))
             })
             .collect()
@@ -108,8 +108,7 @@ fn lab([r, g, b]: [f32; 3]) -> [f32; 3] {
     let x = (0.4124 * r + 0.3576 * g + 0.1805 * b) / 0.9505;
     let y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
     let z = (0.0193 * r + 0.1192 * g + 0.9505 * b) / 1.089;
-    let [x, y, z] =
-        [x, y, z].map(|t| if t > 0.008_856 { cbrt(f64::from(t)) as f32 } else { 7.787 * t + 16.0 / 116.0 });
+    let [x, y, z] = [x, y, z].map(|t| if t > 0.008_856 { cbrt(f64::from(t)) as f32 } else { 7.787 * t + 16.0 / 116.0 });
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 

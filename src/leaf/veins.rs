@@ -144,7 +144,14 @@ impl Plan<'_> {
     }
 
     /// Steps from a vein into the blade, the angle to the parent's heading easing to two thirds.
-    fn marched(&self, start: DVec2, heading: DVec2, angle: f64, order: u8, near: (&[Vein], &[Vein], usize)) -> Vec<DVec2> {
+    fn marched(
+        &self,
+        start: DVec2,
+        heading: DVec2,
+        angle: f64,
+        order: u8,
+        near: (&[Vein], &[Vein], usize),
+    ) -> Vec<DVec2> {
         let step = 0.02 * self.size;
         let clear = if order == 2 { 0.055 } else { 0.022 } * self.size;
         let most = if order == 2 { 60 } else { 9 };
@@ -160,7 +167,8 @@ impl Plan<'_> {
                 break;
             }
             let foreign = |(i, v): (usize, &Vein)| i != number && from_vein(next, v) < clear;
-            if others.iter().enumerate().any(foreign) || made.iter().any(|v| i > 1 && from_vein(next, v) < clear * 0.6) {
+            if others.iter().enumerate().any(foreign) || made.iter().any(|v| i > 1 && from_vein(next, v) < clear * 0.6)
+            {
                 break;
             }
             line.push(next);

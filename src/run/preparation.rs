@@ -43,10 +43,8 @@ pub fn prepare(
         .map_err(|refusal| fault::refused(scene, "image", &refusal))?;
     let leaf_ids: Vec<u64> = tree.sites.iter().map(|site| site.id).collect();
     let has_season = !scene.season.states.is_empty() && !leaf_ids.is_empty();
-    let states: Vec<String> =
-        if has_season { scene.season.states.keys().cloned().collect() } else { Vec::new() };
-    let reachable =
-        if has_season { season::reachable(&scene.season, &scene.climate) } else { Vec::new() };
+    let states: Vec<String> = if has_season { scene.season.states.keys().cloned().collect() } else { Vec::new() };
+    let reachable = if has_season { season::reachable(&scene.season, &scene.climate) } else { Vec::new() };
     let counted: Vec<Counted> =
         frames.iter().map(|&index| count(scene, &leaf_ids, has_season, index, report)).collect();
     let plan = plan::plan(scene, &states, &reachable, &counted, leave_out);
@@ -70,7 +68,8 @@ fn count(scene: &Scene, leaf_ids: &[u64], has_season: bool, index: i64, report: 
     }
     let states = assigned(scene, leaf_ids, index, report);
     let garments = plan::garments(scene, leaf_ids, &states);
-    let mark = |garment: &Option<Garment>| garment.map_or(u64::MAX, |g| u64::from(g.state) << 32 | u64::from(g.variant));
+    let mark =
+        |garment: &Option<Garment>| garment.map_or(u64::MAX, |g| u64::from(g.state) << 32 | u64::from(g.variant));
     let signature = garments.iter().fold(0, |sum, garment| hash(sum, mark(garment)));
     let worn: BTreeSet<Garment> = garments.into_iter().flatten().collect();
     Counted { index, day, worn, signature }

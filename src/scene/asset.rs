@@ -41,6 +41,15 @@ pub struct Asset {
     pub place: Option<Place>,
 }
 
+impl Asset {
+    /// A file that the command line names: any path, its content not hashed.
+    #[must_use]
+    pub fn outside(path: &Path) -> Self {
+        let name = path.to_string_lossy().into_owned();
+        Self { name, path: path.to_owned(), sha256: String::new(), place: None }
+    }
+}
+
 /// The paths that a resolved table names, with their keys.
 pub(super) fn named(whole: &Value) -> Vec<(&'static str, String)> {
     let text = |key: &str| whole.pointer(&format!("/{}", key.replace('.', "/"))).and_then(Value::as_str);

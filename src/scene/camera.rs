@@ -6,7 +6,8 @@ use crate::settings;
 settings! {
     /// The camera. Without a position it stands where the whole tree is seen, its eye 1.6 m above the ground.
     pub struct Camera {
-        /// Where the eye stands: x, y, and z upwards; the tree's foot is the origin. Fitted to the tree when absent.
+        /// Where the eye stands: x to the right, y up, z towards the default camera; the tree's foot is the origin. Fitted to the
+        /// tree when absent.
         position: Option<[f64; 3]> = None, unit "m", range -1e5 => 1e5;
         /// What the camera looks at; the middle of the tree when absent.
         target: Option<[f64; 3]> = None, unit "m", range -1e5 => 1e5;

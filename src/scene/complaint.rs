@@ -3,6 +3,7 @@
 use super::{Scene, camera, image, time};
 use crate::base::diagnostic::{Diagnostic, Fault, Place};
 use crate::base::settings::Complaint;
+use crate::{colour, deform, leaf, season, tree};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -13,6 +14,14 @@ pub fn complaints(scene: &Scene) -> Vec<(&'static str, Complaint)> {
         ("time", time::check(&scene.time)),
         ("camera", camera::check(&scene.camera)),
         ("image", image::check(&scene.image)),
+        ("tree", tree::check(&scene.tree)),
+        ("leaf", leaf::check(&scene.leaf)),
+        ("deform", deform::check(&scene.deform)),
+        ("colour", colour::check(&scene.colour)),
+        (
+            "season",
+            if scene.season.states.is_empty() { Vec::new() } else { season::check(&scene.season, &scene.climate) },
+        ),
     ];
     tables.into_iter().flat_map(|(table, list)| list.into_iter().map(move |complaint| (table, complaint))).collect()
 }

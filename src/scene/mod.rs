@@ -26,7 +26,9 @@ mod text_file;
 pub mod time;
 
 pub use asset::{Asset, locate, read_picture};
+pub use complaint::diagnostic;
 pub use json_schema::json_schema;
+pub use light::Light;
 pub use reader::read;
 pub use starter::starter;
 

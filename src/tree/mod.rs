@@ -75,6 +75,12 @@ settings! {
         petiole_angle: f64 = 50.0, unit "°", range 0.0 => 180.0;
         /// Mean inclination of blades below the horizontal.
         blade_inclination: f64 = 35.0, unit "°", range -90.0 => 90.0;
+        /// Reflectance of the bark of stem and limbs: linear red, green, blue.
+        bark: [f64; 3] = [0.21, 0.19, 0.165], range 0.0 => 1.0;
+        /// Reflectance of the bark of twigs: linear red, green, blue.
+        twig_bark: [f64; 3] = [0.13, 0.09, 0.08], range 0.0 => 1.0;
+        /// Reflectance of petioles: linear red, green, blue.
+        petiole_colour: [f64; 3] = [0.30, 0.09, 0.07], range 0.0 => 1.0;
         /// Relative spread of leaf sizes, standard deviation over mean.
         leaf_size_spread: f64 = 0.22, range 0.0 => 0.6;
         /// Leaves a square metre behind which light falls to 1/e; shoots that see too little sky lose their leaves, and wood

@@ -1,0 +1,101 @@
+//! What went wrong in a stage, as messages with places in the user's files.
+
+use super::files::WriteError;
+use super::frame_list::ExpansionFault;
+use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault};
+use crate::base::limits::Refusal;
+use crate::base::settings::Complaint;
+use crate::deform::DeformError;
+use crate::export::ExportError;
+use crate::leaf::LeafError;
+use crate::scene::{self, Scene};
+use crate::tree::TreeError;
+
+/// A limit that refused a table of the scene.
+pub fn refused(scene: &Scene, table: &str, refusal: &Refusal) -> Diagnostics {
+    let place = scene.place(&refusal.what).or_else(|| scene.place(table));
+    Diagnostic::error(Fault::Limit, refusal.to_string(), refusal.help()).at(place).into()
+}
+
+/// A fault of the tree.
+pub fn tree(scene: &Scene, error: &TreeError) -> Diagnostics {
+    match error {
+        TreeError::Settings(complaints) => {
+            let diagnostic = |complaint: &Complaint| scene::diagnostic(&scene.places, "tree", complaint.clone()).1;
+            Diagnostics(complaints.iter().map(diagnostic).collect())
+        }
+        TreeError::Undefined { key, within } => {
+            let mut complaint = Complaint::new(
+                key.clone(),
+                "a value of this expression is not a number",
+                "guard the division or root with a condition, `A(x) : x > 0 -> ...`",
+            );
+            complaint.within = Some(within.clone());
+            scene::diagnostic(&scene.places, "tree", complaint).1.into()
+        }
+        TreeError::Length { .. } => {
+            Diagnostic::error(Fault::Scene, error.to_string(), "check the arguments of F in tree.rules")
+                .at(scene.place("tree.rules"))
+                .into()
+        }
+        TreeError::Refused(refusal) => refused(scene, "tree.rules", refusal),
+    }
+}
+
+/// A fault of the leaf's model. A scan that cannot be traced is named; its place is the key that names it.
+pub fn leaf(scene: &Scene, error: &LeafError) -> Diagnostics {
+    match error {
+        LeafError::Picture { what } => {
+            let name = scene.leaf.picture.as_deref().unwrap_or_default();
+            let message = format!("{name}: {what}");
+            Diagnostic::error(
+                Fault::Asset,
+                message,
+                "give a scan of one whole leaf on a plain background, or an outline",
+            )
+            .at(scene.place("leaf.picture"))
+            .into()
+        }
+        LeafError::Mesh { what } => {
+            Diagnostic::error(Fault::Scene, what.clone(), "mend leaf.outline, or change leaf.vertices")
+                .at(scene.place("leaf.outline"))
+                .into()
+        }
+        LeafError::Shapeless => {
+            let help = "name a species, or give leaf.outline or leaf.picture";
+            Diagnostic::error(Fault::Scene, error.to_string(), help).at(scene.place("leaf")).into()
+        }
+        LeafError::Settings(complaint) => scene::diagnostic(&scene.places, "leaf", complaint.clone()).1.into(),
+        LeafError::Refused(refusal) => refused(scene, "leaf.vertices", refusal),
+    }
+}
+
+/// A fault of the deformation.
+pub fn deform(scene: &Scene, error: &DeformError) -> Diagnostics {
+    let (key, help) = match error {
+        DeformError::Unstable { .. } => ("deform.step", "leave deform.step out to have a stable one chosen"),
+        DeformError::Diverged { .. } => ("deform.force", "lower deform.force or raise deform.stiffness"),
+        DeformError::Refused(refusal) => return refused(scene, "deform.steps", refusal),
+    };
+    Diagnostic::error(Fault::Scene, error.to_string(), help).at(scene.place(key)).into()
+}
+
+/// A file that could not be written.
+pub fn written(error: &WriteError) -> Diagnostics {
+    Diagnostic::error(Fault::Output, error.to_string(), "free space or name another folder with --out").into()
+}
+
+/// An output that could not be encoded.
+pub fn export(error: &ExportError) -> Diagnostics {
+    Diagnostic::error(Fault::Bug, error.to_string(), "please report it with the scene").into()
+}
+
+/// A list of frames that cannot be drawn.
+pub fn frame_list(error: &ExpansionFault) -> Diagnostics {
+    match error {
+        ExpansionFault::Limit(refusal) => Diagnostic::error(Fault::Limit, refusal.to_string(), refusal.help()).into(),
+        ExpansionFault::Twice { .. } => {
+            Diagnostic::error(Fault::Usage, error.to_string(), "name each frame once").into()
+        }
+    }
+}
