@@ -4,13 +4,14 @@
 //! Every module has an identity, the hash of its parent's identity and its key among its siblings. It does not depend on
 //! where the module stands in the string or on how many steps follow, so a leaf keeps its id when the tree grows older.
 
-use super::TreeError;
 use super::draws::Draws;
 use super::expression::{Program, Scope};
 use super::grammar::Grammar;
 use super::growth::extrapolated;
 use super::rule::Rule;
+use super::shedding;
 use super::symbol::Template;
+use super::{Settings, TreeError};
 use crate::base::limits::{Limit, Limits, Refusal};
 use crate::base::random::hash;
 
@@ -40,6 +41,16 @@ impl Modules {
         self.letters.iter().filter(|&&found| found == letter).count()
     }
 
+    /// Keeps only the modules marked.
+    pub fn retain(&mut self, kept: &[bool]) {
+        let mut left = Self::default();
+        for module in (0..self.len()).filter(|&module| kept[module]) {
+            left.values.extend_from_slice(self.parameters(module));
+            left.push(self.letters[module], self.ids[module], self.births[module]);
+        }
+        *self = left;
+    }
+
     fn push(&mut self, letter: u8, id: u64, birth: u32) {
         self.letters.push(letter);
         self.ids.push(id);
@@ -56,14 +67,18 @@ impl Modules {
     }
 }
 
-/// Derives the grammar's string after `steps` steps.
-pub(super) fn derive(grammar: &Grammar, steps: u32, seed: u64, limits: &Limits) -> Result<Modules, TreeError> {
+/// Derives the grammar's string; shaded shoots are shed on the way when the settings ask for it.
+pub(super) fn derive(grammar: &Grammar, settings: &Settings, seed: u64, limits: &Limits) -> Result<Modules, TreeError> {
+    let steps = settings.steps();
     let mut rewriter = Rewriter::new(grammar, seed, limits);
     for template in &grammar.axiom {
         rewriter.write(template, &"axiom", &[], 0)?;
     }
     for step in 1..=steps {
         rewriter.step(step, steps)?;
+        if shedding::due(settings, step, steps) {
+            shedding::shed(&mut rewriter.next, settings)?;
+        }
     }
     Ok(rewriter.next)
 }
@@ -250,13 +265,12 @@ impl Key for &str {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Settings;
     use super::*;
 
     fn derived(axiom: &str, rules: &[&str], steps: u32) -> Modules {
         let rules = rules.iter().map(|&rule| rule.to_owned()).collect();
-        let settings = Settings { axiom: axiom.to_owned(), rules, ..Settings::default() };
-        derive(&Grammar::new(&settings).unwrap(), steps, 5, &Limits::default()).unwrap()
+        let settings = Settings { axiom: axiom.to_owned(), rules, iterations: steps, ..Settings::default() };
+        derive(&Grammar::new(&settings).unwrap(), &settings, 5, &Limits::default()).unwrap()
     }
 
     fn text(modules: &Modules) -> String {
@@ -300,7 +314,7 @@ mod tests {
             rules: vec!["B -> F".to_owned(), "A(l) -> F(1)A(1/(l-1))".to_owned()],
             ..Settings::default()
         };
-        let error = derive(&Grammar::new(&settings).unwrap(), 3, 1, &Limits::default()).unwrap_err();
+        let error = derive(&Grammar::new(&settings).unwrap(), &settings, 1, &Limits::default()).unwrap_err();
         assert_eq!(error, TreeError::Undefined { key: "rules.1".to_owned(), within: 14..21 });
     }
 }

@@ -81,3 +81,53 @@ pub(super) fn extrapolated(written: usize, done: (usize, usize), left: u32) -> f
     }
     wanted.max(written as f64).ceil()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Settings, TreeError, grow};
+    use super::*;
+
+    fn settings(rules: &[&str], iterations: u32) -> Settings {
+        let rules = rules.iter().map(|&rule| rule.to_owned()).collect();
+        Settings { axiom: "F".to_owned(), rules, iterations, ..Settings::default() }
+    }
+
+    fn refusal(rules: &[&str], iterations: u32) -> Option<Limit> {
+        let mut limits = Limits::default();
+        limits.set(Limit::Symbols, 1e5);
+        match grow(&settings(rules, iterations), 1, &limits) {
+            Err(TreeError::Refused(refusal)) => Some(refusal.limit),
+            _ => None,
+        }
+    }
+
+    #[test]
+    fn the_bound_is_the_count_of_deterministic_rules() {
+        let grammar = Grammar::new(&settings(&["F -> F[+F]LA", "A -> AF"], 0)).unwrap();
+        let counts = least_counts(&grammar, 5).unwrap();
+        // F' = 2F + A, A' = A + F, from F = 1: 1, 2, 5, 13, 34, 89.
+        assert_eq!(counts[usize::from(b'F')], 89.0);
+        let symbols = settings(&["F -> F[+F]LA", "A -> AF"], 5);
+        assert_eq!(grow(&symbols, 1, &Limits::default()).unwrap().0.skeleton.segments.len(), 89);
+    }
+
+    #[test]
+    fn bombs_are_refused_before_and_while_they_grow() {
+        assert_eq!(refusal(&["F -> FFFFFFFFFF"], 40), Some(Limit::Symbols));
+        assert!(allow(&Grammar::new(&settings(&["F -> FFFFFFFFFF"], 40)).unwrap(), 40, &Limits::default()).is_err());
+        assert_eq!(refusal(&["F : n < 9 || n > 8 -> FFFFFFFFFF"], 40), Some(Limit::Symbols));
+        assert_eq!(refusal(&["F : * : 1 -> FF", "F : * : 1 -> FFF"], 200), Some(Limit::Symbols));
+        assert_eq!(refusal(&["F -> FFFF%"], 200), None);
+        assert_eq!(refusal(&["F : n < 3 -> FF"], 40), None);
+    }
+
+    #[test]
+    fn too_many_leaves_are_refused() {
+        let mut limits = Limits::default();
+        limits.set(Limit::Leaves, 100.0);
+        let error = grow(&settings(&["F -> FF[L]"], 7), 1, &limits).unwrap_err();
+        assert!(
+            matches!(error, TreeError::Refused(refusal) if refusal.limit == Limit::Leaves && refusal.wanted == 127.0)
+        );
+    }
+}

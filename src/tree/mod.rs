@@ -29,6 +29,7 @@ mod path;
 mod radii;
 mod rule;
 mod shade;
+mod shedding;
 mod skeleton;
 mod symbol;
 mod turtle;
@@ -89,6 +90,14 @@ settings! {
     }
 }
 
+impl Settings {
+    /// Derivation steps: the age in years, or `iterations`.
+    #[must_use]
+    pub fn steps(&self) -> u32 {
+        self.age.unwrap_or(self.iterations)
+    }
+}
+
 /// A grown tree.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tree {
@@ -143,16 +152,14 @@ pub fn check(settings: &Settings) -> Vec<Complaint> {
 /// Complaints about the settings, a value that is not defined, or a limit that stands in the way.
 pub fn grow(settings: &Settings, seed: u64, limits: &Limits) -> Result<(Tree, Figures), TreeError> {
     let grammar = Grammar::new(settings).map_err(TreeError::Settings)?;
-    let steps = settings.age.unwrap_or(settings.iterations);
-    growth::allow(&grammar, steps, limits)?;
-    let modules = derivation::derive(&grammar, steps, seed, limits)?;
+    if settings.shade == 0.0 {
+        growth::allow(&grammar, settings.steps(), limits)?;
+    }
+    let modules = derivation::derive(&grammar, settings, seed, limits)?;
     limits.allow(Limit::Leaves, "tree.rules", modules.count(b'L') as f64)?;
     let mut drawing = turtle::draw(&modules, settings.angle, settings.tropism)?;
     let symbols = modules.len();
     drop(modules);
-    if settings.shade > 0.0 {
-        shed(&mut drawing, settings.shade);
-    }
     let least = settings.twig_diameter * 0.0005;
     if drawing.widths {
         radii::as_set(&mut drawing.skeleton, least);
@@ -177,18 +184,6 @@ pub fn grow(settings: &Settings, seed: u64, limits: &Limits) -> Result<(Tree, Fi
     Ok((Tree { bark, twigs, sites, skeleton, height, crown_radius }, figures))
 }
 
-/// Sheds leaves in the shade and the wood that bears none.
-fn shed(drawing: &mut turtle::Drawing, depth: f64) {
-    let lit = shade::lit(&drawing.shoots, &drawing.skeleton, depth);
-    let alive = shade::alive(&drawing.skeleton, &drawing.shoots, &lit);
-    let numbers = drawing.skeleton.retain(&alive);
-    let mut kept = lit.into_iter();
-    drawing.shoots.retain(|_| kept.next().unwrap_or(false));
-    for shoot in &mut drawing.shoots {
-        shoot.segment = shoot.segment.and_then(|number| numbers[number as usize]);
-    }
-}
-
 /// Area of the ground below the crown, square metres: the outline of the leaves in 36 sectors about their middle, each as
 /// far as its outermost leaf.
 fn crown_projection(sites: &[LeafSite]) -> f64 {
@@ -203,4 +198,99 @@ fn crown_projection(sites: &[LeafSite]) -> f64 {
         reach[sector] = reach[sector].max(x * x + z * z);
     }
     reach.iter().sum::<f64>() * std::f64::consts::PI / SECTORS as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::vector::DVec3;
+
+    #[derive(serde::Deserialize)]
+    struct File {
+        tree: Settings,
+    }
+
+    fn red_maple() -> Settings {
+        toml::from_str::<File>(include_str!("../species/red-maple.tree.toml")).unwrap().tree
+    }
+
+    #[test]
+    fn the_red_maple_is_one() {
+        let settings = red_maple();
+        assert_eq!(check(&settings), vec![]);
+        for seed in [1, 2] {
+            let (tree, figures) = grow(&settings, seed, &Limits::default()).unwrap();
+            let leaves = tree.sites.len();
+            assert!((25_000..45_000).contains(&leaves), "{leaves}");
+            assert!((8.0..11.0).contains(&tree.height), "{}", tree.height);
+            assert!((2.8..5.0).contains(&tree.crown_radius), "{}", tree.crown_radius);
+            let trunk = tree.skeleton.segments.iter().find(|segment| segment.axis == 0 && segment.end.y > 1.3).unwrap();
+            assert!((0.08..0.13).contains(&trunk.radius), "{}", trunk.radius);
+            let triangles = figures.values["triangles"].as_u64().unwrap();
+            assert!((80_000..300_000).contains(&triangles), "{triangles}");
+            let lowest = tree.sites.iter().map(|site| site.base.y).fold(f64::INFINITY, f64::min);
+            assert!(lowest > 1.5, "{lowest}");
+            assert_eq!((tree.bark.check(), tree.twigs.check()), (Ok(()), Ok(())));
+            let mut ids: Vec<u64> = tree.sites.iter().map(|site| site.id).collect();
+            ids.sort_unstable();
+            ids.dedup();
+            assert_eq!(ids.len(), leaves);
+        }
+    }
+
+    #[test]
+    fn the_same_seed_grows_the_same_tree() {
+        let settings = Settings { age: Some(9), ..red_maple() };
+        let grown = |seed| grow(&settings, seed, &Limits::default()).unwrap();
+        assert_eq!(grown(3), grown(3));
+        assert_ne!(grown(3).0.sites, grown(4).0.sites);
+    }
+
+    /// Distance of a point from a segment's line.
+    fn distance(segment: &Segment, point: DVec3) -> f64 {
+        let along = segment.end - segment.start;
+        let share = ((point - segment.start).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+        (segment.start + along * share - point).norm()
+    }
+
+    #[test]
+    fn no_leaf_floats_and_directions_are_unit() {
+        let settings = Settings { age: Some(8), ..red_maple() };
+        let (tree, _) = grow(&settings, 1, &Limits::default()).unwrap();
+        assert!(tree.sites.len() > 300);
+        for site in &tree.sites {
+            let gap = |segment: &Segment| distance(segment, site.base) - segment.radius;
+            let nearest = tree.skeleton.segments.iter().map(gap).fold(f64::INFINITY, f64::min);
+            assert!(nearest <= 0.001, "{nearest}");
+            for unit in [site.petiole, site.blade, site.normal] {
+                assert!((unit.norm() - 1.0).abs() < 1e-9);
+            }
+            assert!(site.blade.dot(&site.normal).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn adding_a_branch_or_a_year_keeps_the_other_leaves() {
+        let rules = |branch: &str| vec![format!("A(l) -> F(l)[&(40)L]{branch}[+(50)A(l*rand(0.5,0.9))]A(l*0.9)")];
+        let ids = |branch: &str, iterations| {
+            let settings =
+                Settings { axiom: "A(1)".to_owned(), rules: rules(branch), iterations, ..Settings::default() };
+            let tree = grow(&settings, 1, &Limits::default()).unwrap().0;
+            tree.sites.iter().map(|site| (site.id, site.base.map(f64::to_bits))).collect::<Vec<_>>()
+        };
+        let before: Vec<u64> = ids("", 5).iter().map(|leaf| leaf.0).collect();
+        for after in [ids("[-(30)F(0.2)L]", 5), ids("", 6)] {
+            let after: Vec<u64> = after.iter().map(|leaf| leaf.0).collect();
+            assert!(after.len() > before.len());
+            assert!(before.iter().all(|id| after.contains(id)));
+        }
+    }
+
+    #[test]
+    fn lengths_that_cannot_be_drawn_are_refused() {
+        let settings = Settings { axiom: "F(1-2)".to_owned(), ..Settings::default() };
+        let error = grow(&settings, 1, &Limits::default()).unwrap_err();
+        assert_eq!(error, TreeError::Length { metres: -1.0 });
+        assert!(grow(&Settings::default(), 1, &Limits::default()).is_ok());
+    }
 }

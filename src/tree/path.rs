@@ -25,8 +25,12 @@ pub(super) struct Ring {
 const TURN: f64 = 0.16;
 /// Radius above which rings follow each other so closely that no facet shows, metres.
 const THICK: f64 = 0.02;
+/// Radius below which knots may be left out, metres.
+const THIN: f64 = 0.006;
 /// How far thin wood may be drawn from its line, in its own radii.
 const SLACK: f64 = 0.35;
+/// The same for the thinnest wood, metres: less than its own radius.
+const LEAST_SLACK: f64 = 0.0008;
 /// How much a collar is thicker than the branch where it leaves its parent.
 const COLLAR: f64 = 0.4;
 /// How deep the trunk goes into the ground, metres.
@@ -59,6 +63,14 @@ fn rooted(axis: &Axis) -> Vec<Knot> {
     let mut knots = axis.knots.clone();
     if axis.parent_radius.is_none() {
         let first = knots[0];
+        // More rings where the foot flares.
+        let up = knots[1].position - first.position;
+        for share in [6.0, 4.0, 3.0, 2.2, 1.6, 1.1, 0.7, 0.3].map(|radii| radii * first.radius / up.norm()) {
+            if share < 0.9 {
+                let radius = first.radius + (knots[1].radius - first.radius) * share;
+                knots.insert(1, Knot { position: first.position + up * share, radius });
+            }
+        }
         knots.insert(0, Knot { position: first.position - DVec3::y() * DEPTH, radius: first.radius });
     }
     knots
@@ -76,9 +88,10 @@ fn simplified(knots: &[Knot]) -> Vec<Knot> {
             let share = along.dot(&offset) / (b.position - a.position).norm().max(1e-12);
             let radius = a.radius + (b.radius - a.radius) * share;
             let aside = (offset - along * along.dot(&offset)).norm();
-            aside < SLACK * knot.radius.min(0.004) && (radius - knot.radius).abs() < 0.2 * knot.radius
+            aside < (SLACK * knot.radius).min(0.0015).max(LEAST_SLACK)
+                && (radius - knot.radius).abs() < 0.2 * knot.radius
         });
-        if !straight || at - from > 24 {
+        if knots[at].radius > THIN || !straight || at - from > 24 {
             kept.push(knots[at]);
             from = at;
         }
@@ -126,7 +139,6 @@ fn between(a: Knot, b: Knot, from: DVec3, to: DVec3, t: f64) -> Ring {
 fn collar(rings: &mut Vec<Ring>, parent: f64) {
     let first = rings[0];
     let reach = parent + 1.5 * first.radius;
-    let leaving = first.centre + first.tangent * reach;
     let second = rings[1];
     let room = (second.centre - first.centre).norm();
     if first.radius >= 0.003 && room > reach * 1.2 {
@@ -138,7 +150,6 @@ fn collar(rings: &mut Vec<Ring>, parent: f64) {
             rings.insert(1, Ring { centre, radius, ..first });
         }
     }
-    debug_assert!(leaving.x.is_finite());
     for ring in rings.iter_mut() {
         let beyond = ((ring.centre - first.centre).norm() - parent).max(0.0) / (0.8 * first.radius);
         ring.radius = (ring.radius * (1.0 + COLLAR * exp(-beyond))).min(parent.max(ring.radius));

@@ -27,3 +27,39 @@ pub(super) fn as_set(skeleton: &mut Skeleton, least: f64) {
         segment.radius = bound.map_or(wanted, |bound| wanted.min(bound));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Settings, grow};
+    use super::*;
+    use crate::base::limits::Limits;
+
+    fn skeleton(rule: &str) -> Skeleton {
+        let (axiom, rules) = ("A(3)".to_owned(), vec![rule.to_owned()]);
+        let settings = Settings { axiom, rules, iterations: 6, radius_exponent: 2.3, ..Settings::default() };
+        grow(&settings, 1, &Limits::default()).unwrap().0.skeleton
+    }
+
+    #[test]
+    fn the_pipe_model_sums_and_never_grows_along_a_branch() {
+        let skeleton = skeleton("A(w) -> F[+A(w)]F[-A(w)][&A(w)]A(w)");
+        for (number, children) in skeleton.children().iter().enumerate() {
+            let radius = skeleton.segments[number].radius;
+            let children = children.iter().map(|&child| skeleton.segments[child as usize].radius);
+            let sum: f64 = children.clone().map(|radius| pow(radius, 2.3)).sum();
+            assert!(children.clone().all(|child| child <= radius));
+            let wanted = if sum > 0.0 { pow(sum, 1.0 / 2.3) } else { 0.001 };
+            assert!((radius - wanted).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn widths_that_would_grow_are_held() {
+        let skeleton = skeleton("A(w) -> !(w)F[+A(w*2)]A(w*0.9)");
+        for segment in &skeleton.segments {
+            let bound = segment.parent.map_or(0.015, |parent| skeleton.segments[parent as usize].radius);
+            assert!(segment.radius <= bound);
+        }
+        assert!((skeleton.segments[0].radius - 0.015).abs() < 1e-15);
+    }
+}

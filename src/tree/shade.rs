@@ -16,26 +16,38 @@ const CELLS_LIMIT: f64 = 64.0;
 /// Rounds of shading and shedding; the third hardly changes anything.
 const ROUNDS: usize = 3;
 /// Share of open sky that a shoot needs, and its spread between shoots.
-const NEEDED: f64 = 0.37;
-const NEEDED_SPREAD: f64 = 0.16;
+const NEEDED: f64 = 0.3;
+const NEEDED_SPREAD: f64 = 0.14;
 
 /// Zenith angles of the rays (degrees), how many of each, and their weight, that of a cloudy sky on a level leaf.
-const RINGS: [(f64, u32, f64); 3] = [(0.0, 1, 1.0), (32.0, 6, 0.85), (62.0, 8, 0.4)];
+const RINGS: [(f64, u32, f64); 3] = [(0.0, 1, 1.0), (32.0, 6, 0.85), (62.0, 8, 0.6)];
 
 /// Which leaves stay, given that light falls to 1/e behind `depth` leaves a square metre.
 pub(super) fn lit(shoots: &[Shoot], skeleton: &Skeleton, depth: f64) -> Vec<bool> {
     let mut lit = vec![true; shoots.len()];
     let Some(mut grid) = Grid::around(shoots) else { return lit };
+    let axes = axis_ids(skeleton);
     for round in 0..ROUNDS {
         grid.fill(shoots, &lit, if round == 0 { 1.0 } else { 0.5 });
         let sky = grid.sky(depth);
         for (shoot, lit) in shoots.iter().zip(&mut lit) {
-            let axis = shoot.segment.map_or(shoot.id, |number| u64::from(skeleton.segments[number as usize].axis));
+            let axis = shoot.segment.map_or(shoot.id, |number| axes[skeleton.segments[number as usize].axis as usize]);
             let needed = NEEDED + NEEDED_SPREAD * (f64::from(hash_unit(axis, 0x5AD)) - 0.5);
             *lit = sky[grid.cell(shoot.position)] >= needed;
         }
     }
     lit
+}
+
+/// The stable id of each axis: that of its first segment.
+fn axis_ids(skeleton: &Skeleton) -> Vec<u64> {
+    let mut ids = Vec::new();
+    for segment in &skeleton.segments {
+        if segment.axis as usize == ids.len() {
+            ids.push(segment.id);
+        }
+    }
+    ids
 }
 
 /// Marks the segments that bear a leaf or carry one that does.
@@ -46,7 +58,7 @@ pub(super) fn alive(skeleton: &Skeleton, shoots: &[Shoot], lit: &[bool]) -> Vec<
             alive[number as usize] = true;
         }
     }
-    for number in (0..alive.len()).rev().filter(|&number| number < skeleton.segments.len()) {
+    for number in (0..alive.len()).rev() {
         if let (true, Some(parent)) = (alive[number], skeleton.segments[number].parent) {
             alive[parent as usize] = true;
         }

@@ -75,19 +75,4 @@ impl Skeleton {
     pub fn max_order(&self) -> u32 {
         self.segments.iter().map(|segment| segment.order).max().unwrap_or(0)
     }
-
-    /// Keeps only the segments marked, whose parents must be marked too; returns the new number of each segment.
-    pub(super) fn retain(&mut self, kept: &[bool]) -> Vec<Option<u32>> {
-        let mut numbers = vec![None; kept.len()];
-        let mut left = Vec::new();
-        for (number, mut segment) in std::mem::take(&mut self.segments).into_iter().enumerate() {
-            if kept[number] {
-                segment.parent = segment.parent.and_then(|parent| numbers[parent as usize]);
-                numbers[number] = Some(left.len() as u32);
-                left.push(segment);
-            }
-        }
-        self.segments = left;
-        numbers
-    }
 }

@@ -15,6 +15,8 @@ use crate::base::vector::{DVec3, rotated};
 pub(super) struct Drawing {
     pub skeleton: Skeleton,
     pub shoots: Vec<Shoot>,
+    /// The segment at whose end each module stands.
+    pub owners: Vec<Option<u32>>,
     /// Whether `!` set the diameters.
     pub widths: bool,
 }
@@ -108,6 +110,7 @@ pub(super) fn draw(modules: &Modules, angle: f64, tropism: f64) -> Result<Drawin
             b']' => state = saved.pop().unwrap_or_else(State::start),
             _ => {}
         }
+        drawing.owners.push(state.segment);
     }
     Ok(drawing)
 }
@@ -143,4 +146,110 @@ fn draw_segment(
 fn shoot(state: &State, id: u64, scale: f64) -> Shoot {
     let (segment, position, heading, up, order) = (state.segment, state.position, state.heading, state.up, state.order);
     Shoot { id, segment, position, heading, up, scale: scale.max(0.0), order }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Settings, grow};
+    use super::*;
+    use crate::base::limits::Limits;
+    use crate::base::maths::{cos, sin};
+    use std::collections::BTreeMap;
+
+    fn ends(axiom: &str) -> Vec<DVec3> {
+        let settings = Settings { axiom: axiom.to_owned(), iterations: 0, angle: 90.0, ..Settings::default() };
+        let (tree, _) = grow(&settings, 1, &Limits::default()).unwrap();
+        tree.skeleton.segments.iter().map(|segment| segment.end).collect()
+    }
+
+    #[test]
+    fn turns_go_the_way_they_are_named() {
+        let (x, y, z) = (DVec3::x(), DVec3::y(), DVec3::z());
+        let cases = [
+            ("F", y),
+            ("+F", -x),
+            ("-F", x),
+            ("&F", -z),
+            ("^F", z),
+            ("|F", -y),
+            ("f(2)F", y * 3.0),
+            ("+$&F", -y),
+            ("[+F]F(2)", -x),
+        ];
+        for (axiom, wanted) in cases {
+            assert!((ends(axiom)[0] - wanted).norm() < 1e-12, "{axiom}: {}", ends(axiom)[0]);
+        }
+        // A roll about H by the right-hand rule takes L = -X to U = +Z.
+        assert!((ends("\\+F")[0] - z).norm() < 1e-12);
+        assert!((ends("/+F")[0] + z).norm() < 1e-12);
+    }
+
+    #[test]
+    fn tropism_turns_by_its_susceptibility_and_not_past_the_vertical() {
+        let settings =
+            |tropism| Settings { axiom: "+(90)F(0.5)".to_owned(), iterations: 0, tropism, ..Settings::default() };
+        let end = |tropism| grow(&settings(tropism), 1, &Limits::default()).unwrap().0.skeleton.segments[0].end;
+        assert!((end(0.4) - DVec3::new(-cos(0.2), sin(0.2), 0.0) * 0.5).norm() < 1e-12);
+        assert!((end(10.0) - DVec3::y() * 0.5).norm() < 1e-12);
+    }
+
+    /// Figure 2.6 a of the book: Honda's monopodial tree.
+    fn honda(iterations: u32) -> Settings {
+        let constants = [("r1", 0.9), ("r2", 0.6), ("a0", 45.0), ("a2", 45.0), ("d", 137.5), ("wr", 0.707)];
+        let rules = [
+            "A(l,w) -> !(w)F(l)[&(a0)B(l*r2,w*wr)]/(d)A(l*r1,w*wr)",
+            "B(l,w) -> !(w)F(l)[-(a2)$C(l*r2,w*wr)]C(l*r1,w*wr)",
+            "C(l,w) -> !(w)F(l)[+(a2)$B(l*r2,w*wr)]B(l*r1,w*wr)",
+        ];
+        Settings {
+            axiom: "A(1,10)".to_owned(),
+            rules: rules.map(str::to_owned).to_vec(),
+            constants: constants.map(|(name, value)| (name.to_owned(), value)).into_iter().collect::<BTreeMap<_, _>>(),
+            iterations,
+            ..Settings::default()
+        }
+    }
+
+    /// The same tree by recursion with matrices whose columns are H, L and U.
+    fn recurse(kind: char, base: DVec3, frame: crate::base::vector::DMat3, l: f64, left: u32, ends: &mut Vec<DVec3>) {
+        use crate::base::vector::DMat3;
+        if left == 0 {
+            return;
+        }
+        let end = base + frame.column(0) * l;
+        ends.push(end);
+        let (c, s) = (cos(45f64.to_radians()), sin(45f64.to_radians()));
+        let about_up = |s: f64| DMat3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0);
+        let pitch = DMat3::new(c, 0.0, s, 0.0, 1.0, 0.0, -s, 0.0, c);
+        let (rc, rs) = (cos(137.5f64.to_radians()), sin(137.5f64.to_radians()));
+        let roll = DMat3::new(1.0, 0.0, 0.0, 0.0, rc, rs, 0.0, -rs, rc);
+        let level = |frame: DMat3| {
+            let heading = frame.column(0).into_owned();
+            let left = DVec3::y().cross(&heading).normalize();
+            DMat3::from_columns(&[heading, left, heading.cross(&left)])
+        };
+        let (lateral, next, inner, outer) = match kind {
+            'A' => ('B', 'A', frame * pitch, frame * roll),
+            'B' => ('C', 'C', level(frame * about_up(-s)), frame),
+            _ => ('B', 'B', level(frame * about_up(s)), frame),
+        };
+        recurse(lateral, end, inner, l * 0.6, left - 1, ends);
+        recurse(next, end, outer, l * 0.9, left - 1, ends);
+    }
+
+    #[test]
+    fn hondas_tree_has_its_segments_and_end_points() {
+        let (tree, figures) = grow(&honda(10), 1, &Limits::default()).unwrap();
+        assert_eq!(tree.skeleton.segments.len(), (1 << 10) - 1);
+        assert_eq!(figures.values["segments"], 1023);
+        let frame = crate::base::vector::DMat3::from_columns(&[DVec3::y(), -DVec3::x(), DVec3::z()]);
+        let mut wanted = Vec::new();
+        recurse('A', DVec3::zeros(), frame, 1.0, 10, &mut wanted);
+        for (segment, wanted) in tree.skeleton.segments.iter().zip(&wanted) {
+            assert!((segment.end - wanted).norm() < 1e-6);
+        }
+        let widths = tree.skeleton.segments.iter().map(|segment| segment.radius);
+        assert!((widths.fold(1.0, f64::min) - 0.05 * crate::base::maths::pow(0.707, 9.0)).abs() < 1e-12);
+        assert_eq!((tree.bark.check(), tree.twigs.check()), (Ok(()), Ok(())));
+    }
 }

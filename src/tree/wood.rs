@@ -48,12 +48,17 @@ struct Tube {
 
 /// Sides of a tube: no side of the trunk is wide enough to be seen, twigs are triangular.
 fn sides(radius: f64) -> u32 {
-    (2.1 * (radius * 1000.0).sqrt()).round().clamp(3.0, 24.0) as u32
+    (1.9 * (radius * 1000.0).sqrt()).round().clamp(3.0, 24.0) as u32
 }
 
 impl Tube {
     fn add(&self, mesh: &mut Mesh, rings: &[Ring], closed: bool) {
         let mut last: Option<(u32, u32)> = None;
+        let (end, rings) = match rings.split_last() {
+            // The last piece of a twig is a cone.
+            Some((end, rings)) if closed && sides(end.radius) == 3 => (Some(end), rings),
+            _ => (None, rings),
+        };
         for ring in rings {
             let first = mesh.positions.len() as u32;
             let count = sides(ring.radius).max(if self.root.is_some() { 6 } else { 3 });
@@ -65,8 +70,9 @@ impl Tube {
             }
             last = Some((first, count));
         }
-        if let (true, Some((first, count)), Some(end)) = (closed, last, rings.last()) {
-            close(mesh, first, count, end);
+        if let (true, Some((first, count)), Some(ring)) = (closed, last, rings.last()) {
+            let apex = end.map_or(ring.centre + ring.tangent * ring.radius, |end| end.centre);
+            close(mesh, first, count, (apex, ring.tangent));
         }
     }
 
@@ -122,12 +128,72 @@ fn zip(mesh: &mut Mesh, (a, a_count): (u32, u32), (b, b_count): (u32, u32)) {
     }
 }
 
-/// Closes a tube's end by a blunt cone.
-fn close(mesh: &mut Mesh, first: u32, count: u32, end: &Ring) {
+/// Closes a tube's end by a cone.
+fn close(mesh: &mut Mesh, first: u32, count: u32, (apex, tangent): (DVec3, DVec3)) {
     let tip = mesh.positions.len() as u32;
-    mesh.positions.push((end.centre + end.tangent * end.radius).cast::<f32>());
-    mesh.normals.push(unit(end.tangent));
+    mesh.positions.push(apex.cast::<f32>());
+    mesh.normals.push(unit(tangent));
     let uv = mesh.uvs[first as usize];
     mesh.uvs.push(Vec2::new(uv.x + 0.5 * (mesh.uvs[(first + count) as usize].x - uv.x), uv.y));
     mesh.triangles.extend((0..count).map(|vertex| [first + vertex, first + vertex + 1, tip]));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Settings, grow};
+    use super::*;
+    use crate::base::limits::Limits;
+
+    fn grown(axiom: &str) -> (Mesh, Mesh) {
+        let settings = Settings { axiom: axiom.to_owned(), iterations: 0, ..Settings::default() };
+        let tree = grow(&settings, 1, &Limits::default()).unwrap().0;
+        (tree.bark, tree.twigs)
+    }
+
+    #[test]
+    fn a_branch_has_the_area_of_its_cylinder_and_starts_inside_its_parent() {
+        // The second axis: 1 m of 4 cm from the middle of 40 cm, less what a polygon of 9 sides lacks, plus the collar.
+        let (bark, _) = grown("!(40)F(2)[+(90)!(4)F(1)F(1)]F(1)");
+        assert_eq!(bark.check(), Ok(()));
+        let far = |t: &&[u32; 3]| t.iter().all(|&v| bark.positions[v as usize].x < -0.5);
+        let area = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|v| bark.positions[v as usize]);
+            f64::from((b - a).cross(&(c - a)).norm()) * 0.5
+        };
+        let branch: f64 = bark.triangles.iter().filter(far).map(area).sum();
+        assert!(branch > 0.05 && branch < 0.25, "{branch}");
+        let (low, high) = bark.bounds().unwrap();
+        assert!((low.y + 0.3).abs() < 1e-6 && high.y > 3.0);
+    }
+
+    #[test]
+    fn triangles_face_outward_and_the_seam_closes() {
+        let (bark, _) = grown("!(30)F(1)+(10)F(1)+(10)F(1)");
+        let outward = bark.triangles.iter().filter(|t| {
+            let [a, b, c] = t.map(|v| bark.positions[v as usize]);
+            let normal = t.iter().map(|&v| bark.normals[v as usize]).sum::<Vec3>();
+            (b - a).cross(&(c - a)).dot(&normal) > 0.0
+        });
+        assert_eq!(outward.count(), bark.triangles.len());
+        // Every edge that is not at the open foot is met twice once the seam's double vertices are one.
+        let bits = |v: u32| bark.positions[v as usize].iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+        let mut edges: Vec<_> = bark
+            .triangles
+            .iter()
+            .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
+            .map(|(a, b)| (bits(a).min(bits(b)), bits(a).max(bits(b))))
+            .collect();
+        edges.sort();
+        let single = edges.chunk_by(|a, b| a == b).filter(|edge| edge.len() != 2).count();
+        let foot = sides(0.15) as usize;
+        assert_eq!(single, foot);
+    }
+
+    #[test]
+    fn bark_repeats_a_whole_number_of_times_around() {
+        let (bark, twigs) = grown("!(50)F(2)[+!(1)F(1)]F(1)");
+        let whole = |mesh: &Mesh| mesh.uvs.iter().map(|uv| uv.x).fold(0.0f32, f32::max);
+        assert_eq!(whole(&bark), 3.0);
+        assert_eq!(whole(&twigs), 1.0);
+    }
 }

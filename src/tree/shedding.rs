@@ -1,0 +1,37 @@
+//! Shedding while the tree grows: the string is drawn, shoots in the shade are found, and what they were made of is taken out
+//! of the string, so that dead wood never branches on and costs nothing.
+
+use super::derivation::Modules;
+use super::{Settings, TreeError, shade, turtle};
+
+/// Years between two sheddings; a shoot outlives its light for about so long.
+const INTERVAL: u32 = 2;
+
+/// Whether shoots are shed after this step of `steps`. Counted from the first, so that a tree one year older has the same past.
+pub(super) fn due(settings: &Settings, step: u32, steps: u32) -> bool {
+    settings.shade > 0.0 && (step.is_multiple_of(INTERVAL) || step == steps)
+}
+
+/// Takes leaves in the shade out of the string, and wood that bears no leaf with everything on it. A string without any leaf
+/// is left as it is: there is nothing to tell light from shade by.
+pub(super) fn shed(modules: &mut Modules, settings: &Settings) -> Result<(), TreeError> {
+    let drawing = turtle::draw(modules, settings.angle, settings.tropism)?;
+    if drawing.shoots.is_empty() {
+        return Ok(());
+    }
+    let lit = shade::lit(&drawing.shoots, &drawing.skeleton, settings.shade);
+    let alive = shade::alive(&drawing.skeleton, &drawing.shoots, &lit);
+    let mut leaf = 0;
+    let kept: Vec<bool> = (0..modules.len())
+        .map(|module| {
+            let mut kept = drawing.owners[module].is_none_or(|segment| alive[segment as usize]);
+            if modules.letters[module] == b'L' {
+                kept &= lit[leaf];
+                leaf += 1;
+            }
+            kept
+        })
+        .collect();
+    modules.retain(&kept);
+    Ok(())
+}
