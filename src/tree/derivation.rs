@@ -43,12 +43,20 @@ impl Modules {
 
     /// Keeps only the modules marked.
     pub fn retain(&mut self, kept: &[bool]) {
-        let mut left = Self::default();
+        let mut left = 0;
+        let mut values = 0;
         for module in (0..self.len()).filter(|&module| kept[module]) {
-            left.values.extend_from_slice(self.parameters(module));
-            left.push(self.letters[module], self.ids[module], self.births[module]);
+            let start = if module == 0 { 0 } else { self.ends[module - 1] };
+            let range = start..self.ends[module];
+            self.values.copy_within(range.clone(), values);
+            values += range.len();
+            self.letters[left] = self.letters[module];
+            self.ids[left] = self.ids[module];
+            self.births[left] = self.births[module];
+            self.ends[left] = values;
+            left += 1;
         }
-        *self = left;
+        self.truncate(left);
     }
 
     fn push(&mut self, letter: u8, id: u64, birth: u32) {
@@ -98,6 +106,8 @@ struct Rewriter<'a> {
     draws: Draws,
     stack: Vec<f64>,
     next: Modules,
+    /// The string of the step before, kept for its memory.
+    last: Modules,
     open: Vec<Open>,
     /// Depth below the branch that `%` cut off, while it is being left out.
     cut: Option<usize>,
@@ -110,17 +120,23 @@ struct Rewriter<'a> {
 impl<'a> Rewriter<'a> {
     fn new(grammar: &'a Grammar, seed: u64, limits: &'a Limits) -> Self {
         let draws = Draws::new(seed, 0, 0);
-        let (stack, next, open) = (Vec::new(), Modules::default(), Vec::new());
-        Self { grammar, limits, seed, draws, stack, next, open, cut: None, step: 0, steps: 0, done: (0, 0) }
+        let (stack, next, last, open) = (Vec::new(), Modules::default(), Modules::default(), Vec::new());
+        Self { grammar, limits, seed, draws, stack, next, last, open, cut: None, step: 0, steps: 0, done: (0, 0) }
     }
 
     fn step(&mut self, step: u32, steps: u32) -> Result<(), TreeError> {
-        let last = std::mem::take(&mut self.next);
+        std::mem::swap(&mut self.next, &mut self.last);
+        self.next.truncate(0);
+        let last = std::mem::take(&mut self.last);
         (self.step, self.steps, self.cut) = (step, steps, None);
         self.open.clear();
         for module in 0..last.len() {
             self.done = (module + 1, last.len());
             let (letter, id) = (last.letters[module], last.ids[module]);
+            if self.grammar.by_letter[usize::from(letter)].is_empty() {
+                self.keep(&last, module)?;
+                continue;
+            }
             let parameters = last.parameters(module);
             self.draws = Draws::new(self.seed, id, step);
             match self.choose(letter, parameters)? {
@@ -128,6 +144,7 @@ impl<'a> Rewriter<'a> {
                 None => self.keep(&last, module)?,
             }
         }
+        self.last = last;
         Ok(())
     }
 

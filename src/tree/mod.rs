@@ -1,6 +1,6 @@
 //! The tree stage: L-system grammar -> derivation -> turtle -> skeleton, leaf sites and the mesh of the wood.
 //!
-//! The language of the rules is described at [`rule`]'s grammar below, the symbols at the turtle's:
+//! The language of the rules, spaces being free; rules are tried in order, and of weighted ones that hold one is drawn:
 //!
 //! ```text
 //! rule        = predecessor [ ":" condition [ ":" weight ] ] "->" successor

@@ -287,14 +287,14 @@ mod tests {
 
     #[test]
     fn faults_point_at_their_bytes() {
-        let within =
-            |text: &str| value(text).map_err(|faults| faults.iter().map(|f| f.within.clone()).collect::<Vec<_>>());
-        assert_eq!(within("l + xx*yy"), Err(vec![4..6, 7..9]));
-        assert_eq!(within("l / 0"), Err(vec![0..5]));
-        assert_eq!(within("1 + w/zero"), Err(vec![4..10]));
-        assert_eq!(within("l + "), Err(vec![4..4]));
-        assert_eq!(within("min(l)"), Err(vec![0..6]));
-        assert_eq!(within("ln(-l)"), Err(vec![0..6]));
+        let place = |fault: &Fault| (fault.within.start, fault.within.end);
+        let within = |text: &str| value(text).map_err(|faults| faults.iter().map(place).collect::<Vec<_>>());
+        assert_eq!(within("l + xx*yy"), Err(vec![(4, 6), (7, 9)]));
+        assert_eq!(within("l / 0"), Err(vec![(0, 5)]));
+        assert_eq!(within("1 + w/zero"), Err(vec![(4, 10)]));
+        assert_eq!(within("l + "), Err(vec![(4, 4)]));
+        assert_eq!(within("min(l)"), Err(vec![(0, 6)]));
+        assert_eq!(within("ln(-l)"), Err(vec![(0, 6)]));
     }
 
     #[test]

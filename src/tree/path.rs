@@ -88,8 +88,7 @@ fn simplified(knots: &[Knot]) -> Vec<Knot> {
             let share = along.dot(&offset) / (b.position - a.position).norm().max(1e-12);
             let radius = a.radius + (b.radius - a.radius) * share;
             let aside = (offset - along * along.dot(&offset)).norm();
-            aside < (SLACK * knot.radius).min(0.0015).max(LEAST_SLACK)
-                && (radius - knot.radius).abs() < 0.2 * knot.radius
+            aside < (SLACK * knot.radius).clamp(LEAST_SLACK, 0.0015) && (radius - knot.radius).abs() < 0.2 * knot.radius
         });
         if knots[at].radius > THIN || !straight || at - from > 24 {
             kept.push(knots[at]);

@@ -8,6 +8,7 @@
 use super::TreeError;
 use super::derivation::Modules;
 use super::skeleton::{Segment, Shoot, Skeleton};
+use crate::base::maths::{atan2, sincos};
 use crate::base::vector::{DVec3, rotated};
 
 /// What the turtle drew.
@@ -44,10 +45,19 @@ impl State {
         Self { position: DVec3::zeros(), heading, left, up, segment, axis, order, radius, branches: true }
     }
 
-    fn turn(&mut self, axis: DVec3, angle: f64) {
-        self.heading = rotated(self.heading, axis, angle);
-        self.left = rotated(self.left, axis, angle);
-        self.orthonormalise();
+    /// Turns about U: H towards L.
+    fn yaw(&mut self, angle: f64) {
+        (self.heading, self.left) = turned(self.heading, self.left, angle);
+    }
+
+    /// Turns about L: U towards H.
+    fn pitch(&mut self, angle: f64) {
+        (self.up, self.heading) = turned(self.up, self.heading, angle);
+    }
+
+    /// Turns about H: L towards U.
+    fn roll(&mut self, angle: f64) {
+        (self.left, self.up) = turned(self.left, self.up, angle);
     }
 
     /// Takes back the rounding of many turns.
@@ -70,10 +80,18 @@ impl State {
         let torque = self.heading.cross(&DVec3::y());
         if let Some(axis) = torque.try_normalize(1e-12) {
             // Never beyond the vertical: angles up to the one left.
-            let left = crate::base::maths::atan2(torque.norm(), self.heading.y);
-            self.turn(axis, (susceptibility * torque.norm()).min(left));
+            let left = atan2(torque.norm(), self.heading.y);
+            let angle = (susceptibility * torque.norm()).min(left);
+            self.heading = rotated(self.heading, axis, angle);
+            self.left = rotated(self.left, axis, angle);
         }
     }
+}
+
+/// Two vectors at right angles turned in their plane, the first towards the second (radians).
+fn turned(first: DVec3, second: DVec3, angle: f64) -> (DVec3, DVec3) {
+    let (sine, cosine) = sincos(angle);
+    (first * cosine + second * sine, second * cosine - first * sine)
 }
 
 /// Follows the string. `angle` (degrees) is that of turns without an argument, `tropism` in radians a metre.
@@ -91,13 +109,13 @@ pub(super) fn draw(modules: &Modules, angle: f64, tropism: f64) -> Result<Drawin
             }
             b'f' => state.position += state.heading * argument.unwrap_or(1.0),
             b'L' => drawing.shoots.push(shoot(&state, modules.ids[module], argument.unwrap_or(1.0))),
-            b'+' => state.turn(state.up, radians),
-            b'-' => state.turn(state.up, -radians),
-            b'&' => state.turn(state.left, radians),
-            b'^' => state.turn(state.left, -radians),
-            b'\\' => state.turn(state.heading, radians),
-            b'/' => state.turn(state.heading, -radians),
-            b'|' => state.turn(state.up, std::f64::consts::PI),
+            b'+' => state.yaw(radians),
+            b'-' => state.yaw(-radians),
+            b'&' => state.pitch(radians),
+            b'^' => state.pitch(-radians),
+            b'\\' => state.roll(radians),
+            b'/' => state.roll(-radians),
+            b'|' => state.yaw(std::f64::consts::PI),
             b'$' => state.level(),
             b'!' => {
                 drawing.widths = true;
@@ -123,13 +141,16 @@ fn draw_segment(
     (id, birth): (u64, u32),
     tropism: f64,
 ) -> Result<(), TreeError> {
-    if length < 0.0 || length > 1e4 {
+    if !(0.0..=1e4).contains(&length) {
         return Err(TreeError::Length { metres: length });
     }
     if length == 0.0 {
         return Ok(());
     }
-    state.bend(tropism * length);
+    if tropism != 0.0 {
+        state.bend(tropism * length);
+    }
+    state.orthonormalise();
     if state.branches {
         state.order = if state.segment.is_some() { state.order + 1 } else { 0 };
         (state.axis, state.branches) = (*axes, false);
