@@ -3,6 +3,7 @@
 
 pub mod blade;
 pub mod diagnostic;
+pub mod encoding;
 pub mod figures;
 pub mod flat_mesh;
 pub mod limits;

@@ -1,9 +1,11 @@
 //! The texture of a meadow: blades of grass drawn over soil, wrapping at the rim so that it tiles.
 
 use super::noise::fractal;
-use crate::base::maths::{cos, linear_to_srgb8, mix, sin};
+use crate::base::encoding::SrgbEncoder;
+use crate::base::maths::{cos, mix, sin};
 use crate::base::random::{Purpose, Stream, hash};
 use crate::frame::{Ground, Texture};
+use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Pixels along one side.
@@ -21,15 +23,16 @@ pub(super) fn ground(texture: u32) -> Ground {
 /// Paints the meadow.
 pub(super) fn texture(seed: u64) -> Texture {
     let mut linear = vec![[0.0f32; 3]; (SIZE * SIZE) as usize];
-    for (index, texel) in linear.iter_mut().enumerate() {
+    linear.par_iter_mut().enumerate().for_each(|(index, texel)| {
         let (u, v) = ((index as i32 % SIZE) as f32 / SIZE as f32, (index as i32 / SIZE) as f32 / SIZE as f32);
         let soil = 0.6 + 0.8 * fractal(u, v, 64, 64, 3, hash(seed, 1));
-        *texel = [0.040 * soil, 0.042 * soil, 0.018 * soil];
-    }
+        *texel = [0.055 * soil, 0.058 * soil, 0.022 * soil];
+    });
     for blade in 0..BLADES {
         draw_blade(&mut linear, seed, blade);
     }
-    let pixels = linear.iter().map(|texel| texel.map(linear_to_srgb8)).collect();
+    let encoder = SrgbEncoder::default();
+    let pixels = linear.iter().map(|texel| texel.map(|value| encoder.code(value))).collect();
     Texture { name: "ground".to_owned(), width: SIZE as u32, height: SIZE as u32, pixels, repeat: true }
 }
 
@@ -41,8 +44,8 @@ fn draw_blade(linear: &mut [[f32; 3]], seed: u64, number: u64) {
     let (u, v) = (x as f32 / SIZE as f32, y as f32 / SIZE as f32);
     let dry = fractal(u, v, 3, 3, 3, hash(seed, 2)) * 0.9 - 0.25 + 0.35 * random.uniform() as f32;
     let shade = random.range(0.55, 1.25) as f32;
-    let green = [0.066, 0.105, 0.026];
-    let straw = [0.20, 0.17, 0.075];
+    let green = [0.092, 0.142, 0.030];
+    let straw = [0.26, 0.22, 0.085];
     let colour: [f32; 3] = std::array::from_fn(|k| mix(green[k], straw[k], dry.clamp(0.0, 1.0)) * shade);
     let steps = length as usize;
     for step in 0..steps {

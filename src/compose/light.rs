@@ -15,7 +15,7 @@ const SOLAR: f64 = 4.0;
 const ZENITH: [f64; 3] = [0.105, 0.185, 0.36];
 const HORIZON: [f64; 3] = [0.34, 0.41, 0.50];
 /// Displayed value of a white surface that lies level in sun and sky.
-const WHITE: f64 = 1.3;
+const WHITE: f64 = 1.7;
 
 /// Lights and exposure.
 pub(super) struct Lighting {

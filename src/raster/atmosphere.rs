@@ -1,7 +1,7 @@
 //! Light that comes from far away: the sky, the haze, and the mean light of an open place.
 
 use super::texture::MipMap;
-use crate::base::maths::{expf, powf, smooth_step};
+use crate::base::maths::{expf, smooth_step};
 use crate::base::vector::Vec3;
 use crate::frame::Frame;
 use std::f32::consts::PI;
@@ -103,8 +103,10 @@ impl Atmosphere {
         if direction.y < 0.0 {
             return self.ground;
         }
-        let height = powf(direction.y, 0.45);
-        let around = powf(direction.dot(&self.sun).max(0.0), 24.0);
+        let height = direction.y.sqrt();
+        let cosine = direction.dot(&self.sun).max(0.0);
+        let eighth = cosine * cosine * cosine * cosine * cosine * cosine * cosine * cosine;
+        let around = eighth * eighth * eighth;
         std::array::from_fn(|k| self.horizon[k] + (self.zenith[k] - self.horizon[k]) * height + self.glow[k] * around)
     }
 

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use std::f32::consts::PI;
 
 /// Cells along the longest side of the volume.
-const CELLS: f32 = 36.0;
+const CELLS: f32 = 28.0;
 /// Share of leaf area that a ray meets: the projection of a spherical leaf angle distribution.
 const PROJECTION: f32 = 0.5;
 

@@ -7,7 +7,7 @@ use super::Prepared;
 use super::atmosphere::Ambient;
 use super::bins::Item;
 use super::projection::composed;
-use crate::base::maths::{mix, powf};
+use crate::base::maths::mix;
 use crate::base::random::hash;
 use crate::base::vector::{Vec2, Vec3};
 use crate::frame::Material;
@@ -190,5 +190,7 @@ fn gloss(material: &Material, point: &Point, light: Vec3) -> f32 {
 }
 
 fn schlick(normal_incidence: f32, cosine: f32) -> f32 {
-    normal_incidence + (1.0 - normal_incidence) * powf(1.0 - cosine.min(1.0), 5.0)
+    let grazing = 1.0 - cosine.min(1.0);
+    let square = grazing * grazing;
+    normal_incidence + (1.0 - normal_incidence) * square * square * grazing
 }

@@ -1,22 +1,18 @@
 //! From radiance to 8-bit sRGB.
 
-use crate::base::maths::linear_to_srgb;
+use crate::base::encoding::SrgbEncoder;
 use crate::frame::ToneMap;
-
-/// Steps of the encoding table between 0 and 1; fine enough that the darkest code spans several steps.
-const STEPS: usize = 1 << 14;
 
 /// A tone curve with its encoding.
 pub(super) struct Tone {
     map: ToneMap,
-    codes: Vec<u8>,
+    encoder: SrgbEncoder,
 }
 
 impl Tone {
     /// Tabulates the encoding.
     pub(super) fn new(map: ToneMap) -> Self {
-        let code = |step: usize| (linear_to_srgb(step as f32 / (STEPS - 1) as f32) * 255.0 + 0.5) as u8;
-        Self { map, codes: (0..STEPS).map(code).collect() }
+        Self { map, encoder: SrgbEncoder::default() }
     }
 
     /// The code of an exposed linear colour.
@@ -25,7 +21,7 @@ impl Tone {
             ToneMap::Neutral => neutral(colour),
             ToneMap::None => colour,
         };
-        mapped.map(|value| self.codes[(value.clamp(0.0, 1.0) * (STEPS - 1) as f32 + 0.5) as usize])
+        mapped.map(|value| self.encoder.code(value))
     }
 }
 
