@@ -154,7 +154,8 @@ fn keys(settings: &Settings, trace: Option<&Trace>) -> Result<Vec<DVec2>, LeafEr
 fn dense(spline: &Spline, length: f64) -> Vec<DVec2> {
     let spacing = length / 400.0;
     let span = |i: usize| {
-        let rough: f64 = (0..8).map(|k| (spline.at(i, f64::from(k + 1) / 8.0) - spline.at(i, f64::from(k) / 8.0)).norm()).sum();
+        let rough: f64 =
+            (0..8).map(|k| (spline.at(i, f64::from(k + 1) / 8.0) - spline.at(i, f64::from(k) / 8.0)).norm()).sum();
         let count = ((rough / spacing).ceil() as usize).max(4);
         (0..count).map(move |k| (i, k as f64 / count as f64))
     };

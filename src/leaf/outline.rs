@@ -30,7 +30,10 @@ pub fn complaints(outline: &[[f64; 2]], corner: f64) -> Vec<Complaint> {
             place(j),
             next(j)
         );
-        return vec![complaint(message, "give the points in order round the blade, or more of them where it is narrow")];
+        return vec![complaint(
+            message,
+            "give the points in order round the blade, or more of them where it is narrow",
+        )];
     }
     if polygon::doubled_area(&keys).abs() <= 1e-6 * size * size {
         return vec![complaint("the outline encloses no area".to_owned(), "its points must not lie on one line")];
@@ -104,7 +107,8 @@ mod tests {
 
     #[test]
     fn faults_name_what_is_wrong() {
-        let message = |points: &[[f64; 2]]| complaints(points, 1.1).first().map(|c| c.message.clone()).unwrap_or_default();
+        let message =
+            |points: &[[f64; 2]]| complaints(points, 1.1).first().map(|c| c.message.clone()).unwrap_or_default();
         assert!(message(&[[0.0, 0.0], [1.0, f64::NAN], [2.0, 2.0]]).contains("point 1 is not finite"));
         assert!(message(&[[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 0.0]]).contains("3 distinct"));
         assert!(message(&[[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]]).contains("crosses itself"));

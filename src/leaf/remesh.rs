@@ -146,9 +146,8 @@ impl Remesh {
         let mut points = self.points.clone();
         for v in self.rim..count {
             let target = sums[v] / areas[v];
-            let clear = || {
-                polygon::contains(rim_points, target) && polygon::distance(rim_points, target) > CLEARANCE * spacing
-            };
+            let clear =
+                || polygon::contains(rim_points, target) && polygon::distance(rim_points, target) > CLEARANCE * spacing;
             if areas[v] > 0.0 && (!beside_rim[v] || clear()) {
                 points[v] = target;
             }

@@ -97,7 +97,8 @@ fn with_area(line: &Line, arcs: &[f64], ring: &[DVec2]) -> Vec<DVec2> {
 fn segment_area(line: &Line, start: f64, end: Option<f64>, first: f64) -> f64 {
     let end = end.unwrap_or(first + line.length);
     let steps = 16;
-    let points: Vec<DVec2> = (0..=steps).map(|i| line.at(start + (end - start) * f64::from(i) / f64::from(steps))).collect();
+    let points: Vec<DVec2> =
+        (0..=steps).map(|i| line.at(start + (end - start) * f64::from(i) / f64::from(steps))).collect();
     let origin = points[0];
     points.windows(2).map(|w| (w[0] - origin).perp(&(w[1] - origin)) * 0.5).sum()
 }

@@ -24,8 +24,10 @@ const SMALLEST: f64 = 0.002;
 /// The blade in a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segment {
-    /// True on the blade, petiole excluded.
+    /// True on the blade, petiole excluded, holes filled.
     pub blade: Grid<bool>,
+    /// True where the blade's own colour shows: the blade without holes and gaps between overlapping lobes.
+    pub shown: Grid<bool>,
     /// Where the cut petiole met the blade, pixels (centre of the top left pixel at 0.5, 0.5).
     pub joint: Option<DVec2>,
 }
@@ -45,7 +47,7 @@ pub fn segmented(picture: &Picture) -> Result<Segment, LeafError> {
     if share > 0.99 {
         return Err(LeafError::picture("the leaf fills the whole picture; leave background on every side"));
     }
-    Ok(without_petiole(&leaf))
+    Ok(without_petiole(&leaf, &mask))
 }
 
 fn opaque(picture: &Picture) -> Grid<bool> {
@@ -64,8 +66,7 @@ fn coloured(picture: &Picture) -> Result<Grid<bool>, LeafError> {
         lab.cells.iter().map(far).collect()
     };
     let colour = distance(0.0);
-    let far =
-        if percentile(&colour, 0.995) < COLOURLESS { distance(1.0) } else { distance(LIGHTNESS_WEIGHT) };
+    let far = if percentile(&colour, 0.995) < COLOURLESS { distance(1.0) } else { distance(LIGHTNESS_WEIGHT) };
     let top = percentile(&far, 0.995);
     if top < 1.0 {
         return Err(LeafError::picture("the picture is of one colour"));
@@ -94,7 +95,8 @@ fn lab_of(picture: &Picture) -> Grid<[f32; 3]> {
         (0..width as i64)
             .map(|x| {
                 let taps = [at(x - 2), at(x - 1), at(x), at(x + 1), at(x + 2)];
-                let code = |c: usize| (taps[0][c] + 4 * taps[1][c] + 6 * taps[2][c] + 4 * taps[3][c] + taps[4][c]) / 256;
+                let code =
+                    |c: usize| (taps[0][c] + 4 * taps[1][c] + 6 * taps[2][c] + 4 * taps[3][c] + taps[4][c]) / 256;
                 lab([0, 1, 2].map(|c| linear[code(c).min(255) as usize]))
             })
             .collect()
@@ -108,8 +110,7 @@ fn lab([r, g, b]: [f32; 3]) -> [f32; 3] {
     let x = (0.4124 * r + 0.3576 * g + 0.1805 * b) / 0.9505;
     let y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
     let z = (0.0193 * r + 0.1192 * g + 0.9505 * b) / 1.089;
-    let [x, y, z] =
-        [x, y, z].map(|t| if t > 0.008_856 { cbrt(f64::from(t)) as f32 } else { 7.787 * t + 16.0 / 116.0 });
+    let [x, y, z] = [x, y, z].map(|t| if t > 0.008_856 { cbrt(f64::from(t)) as f32 } else { 7.787 * t + 16.0 / 116.0 });
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
@@ -141,9 +142,9 @@ fn otsu(levels: impl Iterator<Item = u8>) -> u8 {
     let moment: u64 = (0..256).map(|i| i as u64 * counts[i]).sum();
     let (mut below, mut below_moment) = (0u64, 0u64);
     let (mut best, mut threshold) = (-1.0, 0);
-    for level in 0..255usize {
-        below += counts[level];
-        below_moment += level as u64 * counts[level];
+    for (level, count) in counts.iter().enumerate().take(255) {
+        below += count;
+        below_moment += level as u64 * count;
         if below == 0 || below == total {
             continue;
         }
@@ -158,7 +159,7 @@ fn otsu(levels: impl Iterator<Item = u8>) -> u8 {
 }
 
 /// Cuts long thin parts off; the longest of them tells where the petiole was joined.
-fn without_petiole(leaf: &Grid<bool>) -> Segment {
+fn without_petiole(leaf: &Grid<bool>, mask: &Grid<bool>) -> Segment {
     let radius = (STALK_RADIUS * (leaf.area() as f64).sqrt()).max(2.0);
     let core = leaf.opened(radius).largest_part();
     let cells = leaf.cells.iter().zip(&core.cells).map(|(&l, &c)| l && !c).collect();
@@ -170,7 +171,9 @@ fn without_petiole(leaf: &Grid<bool>) -> Segment {
     let keep = |i: usize| core.cells[i] || (thin.cells[i] && !long(labels.cells[i]));
     let blade = Grid { width: leaf.width, height: leaf.height, cells: (0..leaf.cells.len()).map(keep).collect() };
     let joint = stalk.and_then(|label| contact(&labels, label, &core));
-    Segment { blade: blade.largest_part().filled(), joint }
+    let blade = blade.largest_part().filled();
+    let cells = blade.cells.iter().zip(&mask.cells).map(|(&b, &m)| b && m).collect();
+    Segment { shown: Grid { cells, ..blade.clone() }, blade, joint }
 }
 
 /// A bounding box in pixels.

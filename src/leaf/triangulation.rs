@@ -51,11 +51,8 @@ pub fn triangulated(points: &[DVec2], rim: usize) -> Result<Topology, LeafError>
         .filter(|&t| is_inside(points, rim, t))
         .collect();
     triangles.sort_unstable();
-    let mut edges: Vec<[u32; 2]> = triangles
-        .iter()
-        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
-        .map(|[a, b]| [a.min(b), a.max(b)])
-        .collect();
+    let mut edges: Vec<[u32; 2]> =
+        triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(|[a, b]| [a.min(b), a.max(b)]).collect();
     edges.sort_unstable();
     edges.dedup();
     Ok(Topology { triangles, edges })
