@@ -208,7 +208,8 @@ fn drier_leaves_are_farther_from_flat() {
 
 #[test]
 fn dark_regions_lead_under_an_even_force() {
-    let settings = Settings { drag: 0.0, ..Settings::default() };
+    // Masses alone: friction ties light vertices to heavy neighbours.
+    let settings = Settings { drag: 0.0, friction: 0.0, ..Settings::default() };
     let mesh = disc();
     let system = System::new(&settings, &mesh);
     let even = Field::of(vec![1e-3; mesh.positions.len()]);
@@ -218,7 +219,7 @@ fn dark_regions_lead_under_an_even_force() {
         rises.iter().sum::<f64>() / rises.len() as f64
     };
     let (dark, bright) = (mean(&|g| g < 20.0), mean(&|g| g > 200.0));
-    assert!(dark > 1.2 * bright && bright > 0.0, "{dark} {bright}");
+    assert!(dark > 1.5 * bright && bright > 0.0, "{dark} {bright}");
 }
 
 /// Cosine of the sharpest fold between neighbouring triangles.

@@ -40,6 +40,7 @@ fn assert_sound(blade: &Blade) {
 #[test]
 fn the_red_maple_has_even_triangles() {
     let (blade, figures) = modelled(&maple());
+    println!("red maple: {figures:?}");
     assert_sound(&blade);
     assert!((209.0..=231.0).contains(&figure(&figures, "vertices")), "{figures:?}");
     assert!(figure(&figures, "min_angle_deg") >= 25.0, "{figures:?}");
