@@ -16,7 +16,7 @@ mod tests {
     fn greys_have_the_papers_masses() {
         let table = [
             (0.0, 0.5),
-            (1.0, 0.693_147),
+            (1.0, std::f64::consts::LN_2),
             (2.0, 1.098_612),
             (127.0, 4.852_030),
             (254.0, 5.541_264),

@@ -56,8 +56,8 @@ impl Grid<bool> {
         let mut field = self.map(|c| if c { 0.0 } else { FAR });
         let mut column = vec![0.0; self.height];
         for x in 0..self.width {
-            for y in 0..self.height {
-                column[y] = field.cells[y * self.width + x];
+            for (y, value) in column.iter_mut().enumerate() {
+                *value = field.cells[y * self.width + x];
             }
             for (y, value) in envelope(&column).into_iter().enumerate() {
                 field.cells[y * self.width + x] = value;
@@ -138,10 +138,7 @@ fn envelope(line: &[f64]) -> Vec<f64> {
         ((line[q] + b * b) - (line[p] + a * a)) / (2.0 * b - 2.0 * a)
     };
     let mut roots: Vec<(usize, f64)> = Vec::with_capacity(line.len());
-    for q in 0..line.len() {
-        if line[q] >= FAR {
-            continue;
-        }
+    for (q, _) in line.iter().enumerate().filter(|(_, value)| **value < FAR) {
         while roots.last().is_some_and(|&(p, from)| meet(p, q) <= from) {
             roots.pop();
         }

@@ -46,7 +46,7 @@ fn vein_reach(mesh: &FlatMesh, size: f64) -> f64 {
     (0.02 * size).max(0.5 * mean)
 }
 
-/// 1 on a main vein, less beside it; thinner orders are narrower and less white.
+/// 1 on a main vein, less beside it and towards its end; thinner orders are narrower and less white.
 fn veinness(p: DVec2, veins: &[Vein], reach: f64) -> f64 {
     let one = |vein: &Vein| {
         let share = match vein.order {
@@ -54,8 +54,10 @@ fn veinness(p: DVec2, veins: &[Vein], reach: f64) -> f64 {
             2 => 0.6,
             _ => return 0.0,
         };
-        let off = from_vein(p, vein) / (reach * share);
-        (0.4 + 0.6 * share) * exp(-off * off)
+        let (distance, along) = from_vein(p, vein);
+        let off = distance / (reach * share);
+        let fading = 1.0 - 0.9 * along * along * along * along;
+        (0.4 + 0.6 * share) * fading * exp(-off * off)
     };
     veins.iter().map(one).fold(0.0, f64::max)
 }

@@ -13,7 +13,7 @@ const TAPS: usize = 3;
 
 /// The scan, 512 x 512, opaque; where the leaf is not, the colour of the leaf's nearest rim goes on.
 pub fn laid_out(picture: &Picture, trace: &Trace, mesh: &FlatMesh) -> Picture {
-    let inner = eroded(&trace.blade);
+    let inner = eroded(&trace.shown);
     let mut cells: Vec<Option<[f32; 3]>> = (0..SIDE * SIDE).map(|i| texel(picture, &inner, trace, mesh, i)).collect();
     dilate(&mut cells);
     let code = |c: Option<[f32; 3]>| {
@@ -23,9 +23,11 @@ pub fn laid_out(picture: &Picture, trace: &Trace, mesh: &FlatMesh) -> Picture {
     Picture { width: SIDE as u32, height: SIDE as u32, pixels: cells.into_iter().map(code).collect() }
 }
 
-/// The blade without its outermost two pixels, whose colours are mixed with the background's.
-fn eroded(blade: &Grid<bool>) -> Grid<bool> {
-    blade.map(|c| !c).squared_distances().map(|d| d > 4.0)
+/// The blade's colour without its outermost pixels, which blur and shadow mix with the background's.
+fn eroded(shown: &Grid<bool>) -> Grid<bool> {
+    let side = shown.width.max(shown.height) as f64;
+    let rim = (0.0025 * side).max(2.5);
+    shown.map(|c| !c).squared_distances().map(|d| d > rim * rim)
 }
 
 /// Mean of the leaf's colours under a texel; `None` when most of it is background.

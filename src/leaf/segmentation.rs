@@ -24,8 +24,10 @@ const SMALLEST: f64 = 0.002;
 /// The blade in a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segment {
-    /// True on the blade, petiole excluded.
+    /// True on the blade, petiole excluded, holes filled.
     pub blade: Grid<bool>,
+    /// True where the blade's own colour shows: the blade without holes and gaps between overlapping lobes.
+    pub shown: Grid<bool>,
     /// Where the cut petiole met the blade, pixels (centre of the top left pixel at 0.5, 0.5).
     pub joint: Option<DVec2>,
 }
@@ -45,7 +47,7 @@ pub fn segmented(picture: &Picture) -> Result<Segment, LeafError> {
     if share > 0.99 {
         return Err(LeafError::picture("the leaf fills the whole picture; leave background on every side"));
     }
-    Ok(without_petiole(&leaf))
+    Ok(without_petiole(&leaf, &mask))
 }
 
 fn opaque(picture: &Picture) -> Grid<bool> {
@@ -140,9 +142,9 @@ fn otsu(levels: impl Iterator<Item = u8>) -> u8 {
     let moment: u64 = (0..256).map(|i| i as u64 * counts[i]).sum();
     let (mut below, mut below_moment) = (0u64, 0u64);
     let (mut best, mut threshold) = (-1.0, 0);
-    for level in 0..255usize {
-        below += counts[level];
-        below_moment += level as u64 * counts[level];
+    for (level, count) in counts.iter().enumerate().take(255) {
+        below += count;
+        below_moment += level as u64 * count;
         if below == 0 || below == total {
             continue;
         }
@@ -157,7 +159,7 @@ fn otsu(levels: impl Iterator<Item = u8>) -> u8 {
 }
 
 /// Cuts long thin parts off; the longest of them tells where the petiole was joined.
-fn without_petiole(leaf: &Grid<bool>) -> Segment {
+fn without_petiole(leaf: &Grid<bool>, mask: &Grid<bool>) -> Segment {
     let radius = (STALK_RADIUS * (leaf.area() as f64).sqrt()).max(2.0);
     let core = leaf.opened(radius).largest_part();
     let cells = leaf.cells.iter().zip(&core.cells).map(|(&l, &c)| l && !c).collect();
@@ -169,7 +171,9 @@ fn without_petiole(leaf: &Grid<bool>) -> Segment {
     let keep = |i: usize| core.cells[i] || (thin.cells[i] && !long(labels.cells[i]));
     let blade = Grid { width: leaf.width, height: leaf.height, cells: (0..leaf.cells.len()).map(keep).collect() };
     let joint = stalk.and_then(|label| contact(&labels, label, &core));
-    Segment { blade: blade.largest_part().filled(), joint }
+    let blade = blade.largest_part().filled();
+    let cells = blade.cells.iter().zip(&mask.cells).map(|(&b, &m)| b && m).collect();
+    Segment { shown: Grid { cells, ..blade.clone() }, blade, joint }
 }
 
 /// A bounding box in pixels.

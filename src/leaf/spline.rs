@@ -49,6 +49,7 @@ impl Spline {
     }
 
     /// Whether the curve may break its direction at a key.
+    #[cfg(test)]
     pub fn is_corner(&self, key: usize) -> bool {
         self.corners[key]
     }

@@ -20,12 +20,14 @@ pub struct Pose {
 
 impl Pose {
     /// The point of the plane (metres) of a point of the picture (pixels).
+    #[must_use]
     pub fn plane(&self, pixel: DVec2) -> DVec2 {
         let from = pixel - self.joint;
         DVec2::new(from.dot(&self.across()), from.dot(&self.axis)) * self.scale
     }
 
     /// The point of the picture (pixels) of a point of the plane (metres).
+    #[must_use]
     pub fn pixel(&self, plane: DVec2) -> DVec2 {
         self.joint + (self.across() * plane.x + self.axis * plane.y) / self.scale
     }
@@ -40,7 +42,9 @@ impl Pose {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
     /// True on the blade.
-    pub blade: Grid<bool>,
+    pub(in crate::leaf) blade: Grid<bool>,
+    /// True where the blade's own colour shows.
+    pub(in crate::leaf) shown: Grid<bool>,
     /// The outline with sub-pixel places, pixels.
     pub outline: Vec<DVec2>,
     /// Key points, pixels, in the outline's order.
@@ -49,6 +53,49 @@ pub struct Trace {
     pub hausdorff: f64,
     /// How plane and picture lie to each other.
     pub pose: Pose,
+}
+
+impl Trace {
+    /// Key points of a `leaf.outline`: millimetres, the joint at the origin.
+    #[must_use]
+    pub fn outline_millimetres(&self) -> Vec<[f64; 2]> {
+        self.keys.iter().map(|&p| (self.pose.plane(p) * 1e3).into()).collect()
+    }
+
+    /// Share of the pixels in either the traced blade or a truth polygon (pixels; it may cross itself: filled by the
+    /// non-zero rule) that lie in both.
+    #[must_use]
+    pub fn iou(&self, truth: &[[f64; 2]]) -> f64 {
+        let (mut both, mut either) = (0u64, 0u64);
+        for y in 0..self.blade.height {
+            let turns = windings(truth, y as f64 + 0.5);
+            let (mut rank, mut winding) = (0, 0);
+            for x in 0..self.blade.width {
+                while rank < turns.len() && turns[rank].0 <= x as f64 + 0.5 {
+                    winding += turns[rank].1;
+                    rank += 1;
+                }
+                let (a, b) = (self.blade.at(x, y), winding != 0);
+                both += u64::from(a && b);
+                either += u64::from(a || b);
+            }
+        }
+        both as f64 / either.max(1) as f64
+    }
+}
+
+/// Where a row crosses a polygon's sides, and in which sense, from left to right.
+fn windings(polygon: &[[f64; 2]], y: f64) -> Vec<(f64, i32)> {
+    let mut turns = Vec::new();
+    for (i, a) in polygon.iter().enumerate() {
+        let b = polygon[(i + 1) % polygon.len()];
+        if (a[1] > y) != (b[1] > y) {
+            let x = a[0] + (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1]);
+            turns.push((x, if b[1] > a[1] { 1 } else { -1 }));
+        }
+    }
+    turns.sort_by(|a, b| a.0.total_cmp(&b.0));
+    turns
 }
 
 /// Traces the leaf in a picture; `length` in metres from the joint to the farthest tip, `tolerance` in pixels, `corner` in
@@ -70,8 +117,8 @@ pub fn traced(picture: &Picture, length: f64, tolerance: f64, corner: f64) -> Re
         let line = spline.polyline(16);
         if polygon::crossing(&line).is_none() {
             let keys = chosen.iter().map(|&i| outline[i]).collect();
-            let hausdorff = polygon::hausdorff(&line, &outline);
-            return Ok(Trace { blade: segment.blade, outline, keys, hausdorff, pose });
+            let hausdorff = key_points::distance(&outline, &chosen, &spline);
+            return Ok(Trace { blade: segment.blade, shown: segment.shown, outline, keys, hausdorff, pose });
         }
         bound *= 0.5;
     }

@@ -128,7 +128,7 @@ impl Plan<'_> {
         let (gap, first, angle) = if order == 2 { (0.115, 0.22, 0.80) } else { (0.075, 0.09, 1.0) };
         let mut made: Vec<Vein> = Vec::new();
         let mut walked = first * self.size;
-        let mut side = if number % 2 == 0 { 1.0 } else { -1.0 };
+        let mut side = if number.is_multiple_of(2) { 1.0 } else { -1.0 };
         while walked < length - 0.06 * self.size {
             let (start, heading) = along(&parent.points, walked);
             let share = 1.0 - 0.5 * walked / length;
@@ -166,8 +166,9 @@ impl Plan<'_> {
             if !polygon::contains(self.outline, next) || polygon::distance(self.outline, next) < margin {
                 break;
             }
-            let foreign = |(i, v): (usize, &Vein)| i != number && from_vein(next, v) < clear;
-            if others.iter().enumerate().any(foreign) || made.iter().any(|v| i > 1 && from_vein(next, v) < clear * 0.6)
+            let foreign = |(i, v): (usize, &Vein)| i != number && from_vein(next, v).0 < clear;
+            if others.iter().enumerate().any(foreign)
+                || made.iter().any(|v| i > 1 && from_vein(next, v).0 < clear * 0.6)
             {
                 break;
             }
@@ -196,9 +197,11 @@ fn along(line: &[DVec2], length: f64) -> (DVec2, DVec2) {
     (line[last], (line[last] - line[last - 1]).normalize())
 }
 
-/// Distance of a point from a vein's line.
-pub fn from_vein(p: DVec2, vein: &Vein) -> f64 {
-    vein.points.windows(2).map(|w| polygon::segment_distance(p, w[0], w[1])).fold(f64::INFINITY, f64::min)
+/// Distance of a point from a vein's line, and where along the line the nearest piece starts, 0 to 1.
+pub fn from_vein(p: DVec2, vein: &Vein) -> (f64, f64) {
+    let pieces = vein.points.len() as f64 - 1.0;
+    let distance = |(i, w): (usize, &[DVec2])| (polygon::segment_distance(p, w[0], w[1]), i as f64 / pieces);
+    vein.points.windows(2).enumerate().map(distance).fold((f64::INFINITY, 0.0), |a, b| if b.0 < a.0 { b } else { a })
 }
 
 #[cfg(test)]
@@ -211,7 +214,7 @@ mod tests {
             lobed * 0.04
         };
         let points = (0..900u32).map(|i| std::f64::consts::TAU * f64::from(i) / 900.0);
-        points.map(|a| DVec2::new(sincos(a).1, sincos(a).0) * radius(a) + DVec2::new(0.0, 0.012)).collect()
+        points.map(|a| DVec2::new(sincos(a).1, sincos(a).0) * radius(a) + DVec2::new(0.0, 0.008)).collect()
     }
 
     #[test]
