@@ -4,7 +4,7 @@ use super::noise::fractal;
 use crate::base::encoding::SrgbEncoder;
 use crate::base::maths::{cos, mix, sin};
 use crate::base::random::{Purpose, Stream, hash};
-use crate::frame::{Ground, Texture};
+use crate::frame::{Ground, Instance, Texture};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -15,9 +15,9 @@ const TILE: f32 = 2.56;
 /// Blades in one repeat, about 6,000 a square metre of those that show.
 const BLADES: u64 = 40_000;
 
-/// The ground with its texture's number.
-pub(super) fn ground(texture: u32) -> Ground {
-    Ground { texture, tile: TILE, haze: 900.0 }
+/// The ground with its texture's number and what grows on it.
+pub(super) fn ground(texture: u32, cover: Vec<Instance>) -> Ground {
+    Ground { texture, tile: TILE, haze: 1500.0, wood: 0.036, cover }
 }
 
 /// Paints the meadow.

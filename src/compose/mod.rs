@@ -10,6 +10,7 @@ mod inset;
 mod light;
 mod noise;
 mod petiole;
+mod sward;
 
 use crate::base::mesh::Mesh;
 use crate::base::random::{Purpose, Stream};
@@ -78,8 +79,7 @@ impl Stock {
             stock.add_leaves(scene, wardrobe);
         }
         if scene.output.png && scene.ground.kind == Cover::Grass {
-            let number = stock.push_texture(ground::texture(scene.seed));
-            stock.ground = Some(ground::ground(number));
+            stock.add_ground(scene);
         }
         stock
     }
@@ -111,6 +111,17 @@ impl Stock {
             }
         }
         self.models.push(Model { name: "trunk".to_owned(), parts });
+    }
+
+    fn add_ground(&mut self, scene: &Scene) {
+        let texture = self.push_texture(ground::texture(scene.seed));
+        let palette = self.push_texture(sward::palette());
+        let grass = Material { reflected: Some(palette), ..wood("sward", [1.0; 3]) };
+        let part = Part { material: self.push_material(grass), mesh: self.push_mesh(&sward::mesh(scene.seed)) };
+        let model = self.models.len() as u32;
+        self.models.push(Model { name: "sward".to_owned(), parts: vec![part] });
+        let cover = vec![Instance { model, transform: Affine::identity(), leaf: None }];
+        self.ground = Some(ground::ground(texture, cover));
     }
 
     fn add_leaves(&mut self, scene: &Scene, wardrobe: &Wardrobe) {

@@ -107,7 +107,7 @@ pub struct Sky {
 }
 
 /// The level ground at height 0, drawn to the horizon. Not part of an exported asset.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ground {
     /// Number of the texture of diffuse reflectance; repeats.
     pub texture: u32,
@@ -115,6 +115,10 @@ pub struct Ground {
     pub tile: f32,
     /// Distance at which haze hides all but 1/e of the ground, metres.
     pub haze: f32,
+    /// Height of a distant wood's edge over its distance; 0 for an open horizon.
+    pub wood: f32,
+    /// Models that belong to the ground: grass. They cast no shadow.
+    pub cover: Vec<Instance>,
 }
 
 /// How radiance becomes a displayed colour.

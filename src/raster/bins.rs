@@ -1,6 +1,6 @@
 //! Clusters sorted into the tiles that they may touch.
 
-use super::cluster::ClusteredMesh;
+use super::cluster::{Cluster, ClusteredMesh};
 use super::coverage::SIDE;
 use super::projection::Projection;
 use crate::base::vector::Vec3;
@@ -9,6 +9,9 @@ use rayon::prelude::*;
 
 /// Instances that one task bins; fixed, so that the order of items does not depend on the threads.
 const CHUNK: usize = 1024;
+
+/// Error in pixels that a coarser level of a mesh may make where it stands.
+pub(super) const LOD_ERROR: f32 = 0.3;
 
 /// A cluster of an instance.
 #[derive(Clone, Copy, Debug)]
@@ -19,12 +22,21 @@ pub(super) struct Item {
     pub mesh: u32,
     /// Number of the material.
     pub material: u32,
-    /// Number of the cluster in its mesh.
+    /// Number of the mesh's level of detail.
+    pub level: u16,
+    /// Number of the cluster in that level.
     pub cluster: u32,
     /// Largest nearness that its sphere can have.
     pub nearness: f32,
     /// Box of pixels that holds it: left, top, right, bottom, inclusive.
     pub bounds: [i32; 4],
+}
+
+impl Item {
+    /// The cluster.
+    pub(super) fn cluster_in<'a>(&self, meshes: &'a [ClusteredMesh]) -> &'a Cluster {
+        &meshes[self.mesh as usize].levels[usize::from(self.level)].clusters[self.cluster as usize]
+    }
 }
 
 /// The items of every tile.
@@ -39,9 +51,10 @@ pub(super) struct Bins {
 }
 
 impl Bins {
-    /// Bins every instance of a frame for a picture of `width` x `height` pixels.
+    /// Bins instances of a frame's models for a picture of `width` x `height` pixels.
     pub(super) fn new(
         frame: &Frame,
+        instances: &[Instance],
         meshes: &[ClusteredMesh],
         projection: &Projection,
         width: u32,
@@ -49,8 +62,7 @@ impl Bins {
     ) -> Self {
         let (columns, rows) = ((width as usize).div_ceil(SIDE), (height as usize).div_ceil(SIDE));
         let limits = [width as i32 - 1, height as i32 - 1];
-        let chunks: Vec<Vec<Item>> = frame
-            .instances
+        let chunks: Vec<Vec<Item>> = instances
             .par_chunks(CHUNK)
             .enumerate()
             .map(|(chunk, instances)| {
@@ -94,8 +106,11 @@ fn push_items(
     items: &mut Vec<Item>,
 ) {
     let scale = instance.transform.linear.column(0).norm();
+    let tolerance = projection.metres(instance.transform.translation) * LOD_ERROR / scale.max(1e-12);
     for part in &frame.models[instance.model as usize].parts {
-        for (cluster_number, cluster) in meshes[part.mesh as usize].clusters.iter().enumerate() {
+        let mesh = &meshes[part.mesh as usize];
+        let level = mesh.level_within(tolerance);
+        for (cluster_number, cluster) in mesh.levels[level].clusters.iter().enumerate() {
             let centre: Vec3 = instance.transform.point(cluster.centre);
             let Some((bounds, nearness)) = projection.sphere_bounds(centre, cluster.radius * scale) else { continue };
             let [left, top, right, bottom] = bounds.map(|edge| edge.floor() as i32);
@@ -106,6 +121,7 @@ fn push_items(
                 instance: number,
                 mesh: part.mesh,
                 material: part.material,
+                level: level as u16,
                 cluster: cluster_number as u32,
                 nearness,
                 bounds: [left.max(0), top.max(0), right.min(limits[0]), bottom.min(limits[1])],

@@ -75,7 +75,7 @@ impl Canopy {
             let scale = instance.transform.linear.column(0).norm();
             for part in &frame.models[instance.model as usize].parts {
                 let mesh = &meshes[part.mesh as usize];
-                let middle = mesh.clusters.first().map_or_else(Vec3::zeros, |cluster| cluster.centre);
+                let middle = mesh.full().first().map_or_else(Vec3::zeros, |cluster| cluster.centre);
                 let density = mesh.area * scale * scale / volume;
                 let (scattering, transmission) = optics[part.material as usize];
                 self.splat(instance.transform.point(middle), density, scattering, transmission);

@@ -1,5 +1,6 @@
-//! Meshes cut into clusters: what is binned, transformed and rejected as one.
+//! Meshes cut into clusters: what is binned, transformed and rejected as one. Small meshes have coarser levels besides.
 
+use super::simplify::simplified;
 use crate::base::mesh::Mesh;
 use crate::base::vector::Vec3;
 
@@ -23,11 +24,23 @@ pub(super) struct Cluster {
     pub triangles: Vec<[u16; 3]>,
 }
 
+/// Triangles of the coarser levels of a small mesh.
+const COARSER: [usize; 4] = [160, 72, 32, 14];
+
+/// A mesh in some number of triangles.
+#[derive(Clone, Debug)]
+pub(super) struct Level {
+    /// The clusters, in the order of the triangles.
+    pub clusters: Vec<Cluster>,
+    /// Distance from the full mesh, metres.
+    pub error: f32,
+}
+
 /// A mesh as clusters.
 #[derive(Clone, Debug)]
 pub(super) struct ClusteredMesh {
-    /// The clusters, in the order of the mesh's triangles.
-    pub clusters: Vec<Cluster>,
+    /// The full mesh first, then coarser levels.
+    pub levels: Vec<Level>,
     /// Area of all triangles, square metres.
     pub area: f32,
     /// Texture units a metre, for the choice of mip level.
@@ -48,7 +61,25 @@ impl ClusteredMesh {
             })
             .sum();
         let uv_per_metre = if area > 0.0 { (uv_area / area).sqrt() } else { 0.0 };
-        Self { clusters: mesh.triangles.chunks(size).map(|part| cut(mesh, part)).collect(), area, uv_per_metre }
+        let full = mesh.triangles.chunks(size).map(|part| cut(mesh, part)).collect();
+        let mut levels = vec![Level { clusters: full, error: 0.0 }];
+        if (COARSER[2]..=LARGEST).contains(&mesh.triangles.len()) {
+            for version in simplified(mesh, &COARSER) {
+                let clusters = vec![cut(mesh, &version.triangles)];
+                levels.push(Level { clusters, error: version.error as f32 });
+            }
+        }
+        Self { levels, area, uv_per_metre }
+    }
+
+    /// The clusters of the full mesh.
+    pub(super) fn full(&self) -> &[Cluster] {
+        &self.levels[0].clusters
+    }
+
+    /// The number of the coarsest level that is nowhere more than `tolerance` metres from the full mesh.
+    pub(super) fn level_within(&self, tolerance: f32) -> usize {
+        self.levels.iter().rposition(|level| level.error <= tolerance).unwrap_or(0)
     }
 }
 
@@ -84,9 +115,9 @@ mod tests {
             mesh.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
         }
         let cut = ClusteredMesh::new(&mesh);
-        assert_eq!(cut.clusters.iter().map(|c| c.triangles.len()).sum::<usize>(), 700);
+        assert_eq!(cut.full().iter().map(|c| c.triangles.len()).sum::<usize>(), 700);
         assert!((cut.uv_per_metre - 1.0).abs() < 1e-3);
-        for cluster in &cut.clusters {
+        for cluster in cut.full() {
             assert!(cluster.positions.iter().all(|p| (p - cluster.centre).norm() <= cluster.radius * 1.000_01));
             assert!(cluster.triangles.iter().flatten().all(|&v| usize::from(v) < cluster.vertices.len()));
         }

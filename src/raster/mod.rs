@@ -16,18 +16,20 @@ mod canopy;
 mod clip;
 mod cluster;
 mod coverage;
+mod distant_wood;
 mod draw;
 mod projection;
 mod samples;
 mod shade;
 mod shadow;
+mod simplify;
 mod texture;
 mod tile;
 mod tone;
 
 use crate::base::figures::{ErrorFigure, Figures};
 use crate::base::picture::Picture;
-use crate::frame::Frame;
+use crate::frame::{Frame, Instance};
 use atmosphere::Atmosphere;
 use bins::Bins;
 use canopy::Canopy;
@@ -41,6 +43,8 @@ use tone::Tone;
 /// Everything the tiles read: made once a frame.
 struct Prepared<'a> {
     frame: &'a Frame,
+    /// What is drawn: the frame's instances, then the ground's.
+    instances: Vec<Instance>,
     meshes: Vec<ClusteredMesh>,
     textures: Vec<MipMap>,
     atmosphere: Atmosphere,
@@ -61,8 +65,10 @@ pub fn draw(frame: &Frame) -> (Picture, Figures) {
     let canopy = Canopy::new(frame, &meshes, &textures, &atmosphere);
     let shadow = ShadowMap::new(frame, &meshes);
     let tone = Tone::new(view.tone_map);
-    let prepared = Prepared { frame, meshes, textures, atmosphere, canopy, shadow, projection, tone };
-    let bins = Bins::new(frame, &prepared.meshes, &prepared.projection, view.width, view.height);
+    let cover = frame.ground.iter().flat_map(|ground| &ground.cover);
+    let instances: Vec<Instance> = frame.instances.iter().chain(cover).copied().collect();
+    let prepared = Prepared { frame, instances, meshes, textures, atmosphere, canopy, shadow, projection, tone };
+    let bins = Bins::new(frame, &prepared.instances, &prepared.meshes, &prepared.projection, view.width, view.height);
     let rows: Vec<Vec<tile::Pixels>> = match view.samples {
         1 => draw_rows::<1>(&prepared, &bins),
         4 => draw_rows::<4>(&prepared, &bins),

@@ -94,6 +94,14 @@ impl Projection {
         (self.axes.transpose() * local).normalize()
     }
 
+    /// Metres that a pixel covers at a point.
+    pub(super) fn metres(&self, point: Vec3) -> f32 {
+        match self.lens {
+            Lens::Perspective => (point - self.eye).norm() / self.pixels_per_metre,
+            Lens::Parallel => 1.0 / self.pixels_per_metre,
+        }
+    }
+
     /// Reads a mapped point. In perspective its distance must be positive.
     pub(super) fn screen(&self, mapped: Vec3) -> Screen {
         match self.lens {

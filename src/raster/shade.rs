@@ -6,12 +6,16 @@
 use super::Prepared;
 use super::atmosphere::Ambient;
 use super::bins::Item;
+use super::distant_wood;
 use super::projection::composed;
 use crate::base::maths::mix;
 use crate::base::random::hash;
 use crate::base::vector::{Vec2, Vec3};
 use crate::frame::Material;
 use std::f32::consts::PI;
+
+/// Distance of the wood on the horizon for its haze, metres.
+const WOOD_DISTANCE: f32 = 450.0;
 
 /// A point of a surface as the eye sees it.
 struct Point {
@@ -33,7 +37,18 @@ impl Prepared<'_> {
     pub(super) fn sky(&self, at: [f32; 2]) -> [f32; 3] {
         let direction = self.projection.ray(at[0], at[1]);
         let above = Vec3::new(direction.x, direction.y.max(0.0), direction.z);
-        self.atmosphere.radiance(above)
+        let sky = self.atmosphere.radiance(above);
+        let Some(ground) = &self.frame.ground else { return sky };
+        let (covered, albedo) = distant_wood::met(ground, direction, 1.0 / self.projection.pixels_per_metre);
+        if covered <= 0.0 {
+            return sky;
+        }
+        // Crowns stand upright: the sun meets them as a wall that turns to it by chance, hence a quarter of its beam.
+        let sun = self.frame.sun.irradiance.map(|e| e * 0.25 * self.atmosphere.sun_share());
+        let open = self.atmosphere.open.mean;
+        let lit: [f32; 3] = std::array::from_fn(|k| albedo[k] * (sun[k] / PI + open[k]));
+        let wood = self.atmosphere.hazed(lit, WOOD_DISTANCE);
+        std::array::from_fn(|k| mix(sky[k], wood[k], covered))
     }
 
     fn ambient(&self, at: Vec3) -> Ambient {
@@ -109,6 +124,8 @@ pub(super) fn ground(prepared: &Prepared, at: [f32; 2]) -> [f32; 3] {
     let ray = prepared.projection.ray(at[0], at[1]);
     let eye = prepared.projection.eye;
     let distance = eye.y / (-ray.y).max(1e-6);
+    // The meadow ends at the wood on the horizon.
+    let distance = if ground.wood > 0.0 { distance.min(WOOD_DISTANCE) } else { distance };
     let position = eye + ray * distance;
     let pixel = distance / prepared.projection.pixels_per_metre;
     let texture = &prepared.textures[ground.texture as usize];
@@ -133,10 +150,10 @@ pub(super) fn ground(prepared: &Prepared, at: [f32; 2]) -> [f32; 3] {
 /// Finds the point of a triangle behind a point of the picture, by homogeneous barycentric coordinates (Olano and Greer
 /// 1997), which need no clipping.
 fn point(prepared: &Prepared, item: &Item, triangle: u16, at: [f32; 2]) -> Point {
-    let instance = &prepared.frame.instances[item.instance as usize];
+    let instance = &prepared.instances[item.instance as usize];
     let mesh = &prepared.frame.meshes[item.mesh as usize];
     let clustered = &prepared.meshes[item.mesh as usize];
-    let cluster = &clustered.clusters[item.cluster as usize];
+    let cluster = item.cluster_in(&prepared.meshes);
     let local = cluster.triangles[usize::from(triangle)];
     let numbers = local.map(|v| cluster.vertices[usize::from(v)] as usize);
     let map = composed(&prepared.projection.map, &instance.transform);

@@ -35,7 +35,7 @@ impl ShadowMap {
         }
         let (centre, radius) = bounding_sphere(frame, meshes)?;
         let projection = Projection::parallel(-frame.sun.direction, centre, radius * 1.01, size as u32);
-        let bins = Bins::new(frame, meshes, &projection, size as u32, size as u32);
+        let bins = Bins::new(frame, &frame.instances, meshes, &projection, size as u32, size as u32);
         let rows: Vec<Vec<Nearest<1>>> = (0..bins.rows)
             .into_par_iter()
             .map(|row| (0..bins.columns).map(|column| tile(frame, meshes, &projection, &bins, column, row)).collect())
@@ -105,7 +105,7 @@ fn tile(
         if nearest.hides(corner.clip(item), item.nearness) {
             continue;
         }
-        let cluster = &meshes[item.mesh as usize].clusters[item.cluster as usize];
+        let cluster = item.cluster_in(meshes);
         let transform = &frame.instances[item.instance as usize].transform;
         draw::cluster(&mut nearest, &mut scratch, projection, transform, cluster, corner, true, |_, draw| {
             draw(0);
@@ -119,7 +119,7 @@ fn bounding_sphere(frame: &Frame, meshes: &[ClusteredMesh]) -> Option<(Vec3, f32
     let mut spheres = frame.instances.iter().flat_map(|instance| {
         let scale = instance.transform.linear.column(0).norm();
         frame.models[instance.model as usize].parts.iter().flat_map(move |part| {
-            let clusters = &meshes[part.mesh as usize].clusters;
+            let clusters = meshes[part.mesh as usize].full();
             clusters.iter().map(move |c| (instance.transform.point(c.centre), c.radius * scale))
         })
     });

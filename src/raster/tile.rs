@@ -50,8 +50,8 @@ pub(super) fn draw<const S: usize>(prepared: &Prepared, bins: &Bins, column: usi
         if nearest.hides(corner.clip(item), item.nearness) {
             continue;
         }
-        let cluster = &prepared.meshes[item.mesh as usize].clusters[item.cluster as usize];
-        let transform = &prepared.frame.instances[item.instance as usize].transform;
+        let cluster = item.cluster_in(&prepared.meshes);
+        let transform = &prepared.instances[item.instance as usize].transform;
         let two_sided = prepared.frame.materials[item.material as usize].two_sided;
         let mut visit = |triangle: u16, draw: &mut dyn FnMut(u32) -> bool| {
             if draw(seen.len() as u32) {

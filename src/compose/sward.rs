@@ -1,0 +1,89 @@
+//! Blades of grass about the foot of the tree, so that the trunk stands in the meadow and not on it. Farther away the
+//! ground's texture is enough.
+
+use super::noise::fractal;
+use crate::base::maths::{cos, sin};
+use crate::base::mesh::Mesh;
+use crate::base::random::{Purpose, Stream, hash};
+use crate::base::vector::{Vec2, Vec3};
+use crate::frame::Texture;
+use std::f64::consts::TAU;
+
+/// Sides of the square cells that are sown, metres; a cell's blades follow one another in the mesh.
+const CELL: f64 = 0.25;
+/// Cells from the foot to the rim of the sward.
+const REACH: i32 = 26;
+/// Blades in a cell at the foot.
+const DENSEST: f64 = 60.0;
+/// Colours of blades, from green to straw (linear sRGB, of the order of measured grass; judged).
+const COLOURS: [[u8; 3]; 8] = [
+    [62, 84, 30],
+    [78, 98, 36],
+    [92, 108, 40],
+    [70, 92, 34],
+    [104, 112, 48],
+    [120, 116, 58],
+    [144, 130, 74],
+    [160, 142, 92],
+];
+
+/// The palette that the blades read: a column a colour, dark at the root and light at the tip.
+pub(super) fn palette() -> Texture {
+    const ROWS: u32 = 8;
+    let width = COLOURS.len() as u32;
+    let shade = |colour: u8, row: u32| (f32::from(colour) * (0.62 + 0.38 * row as f32 / (ROWS - 1) as f32)) as u8;
+    let pixels = (0..ROWS).flat_map(|row| COLOURS.map(|c| c.map(|v| shade(v, ROWS - 1 - row)))).collect();
+    Texture { name: "sward".to_owned(), width, height: ROWS, pixels, repeat: false }
+}
+
+/// The blades, thinning out from the tree's foot.
+pub(super) fn mesh(seed: u64) -> Mesh {
+    let mut mesh = Mesh::default();
+    for (row, column) in (-REACH..REACH).flat_map(|row| (-REACH..REACH).map(move |column| (row, column))) {
+        let distance = libm::hypot(f64::from(row) + 0.5, f64::from(column) + 0.5) / f64::from(REACH);
+        if distance < 1.0 {
+            sow(&mut mesh, seed, row, column, DENSEST * (1.0 - distance) * (1.0 - distance));
+        }
+    }
+    mesh
+}
+
+fn sow(mesh: &mut Mesh, seed: u64, row: i32, column: i32, count: f64) {
+    let id = ((row + REACH) * 2 * REACH + column + REACH) as u64;
+    let mut random = Stream::new(seed, Purpose::Surroundings, id, 1);
+    let (u, v) = (column as f32 / (2 * REACH) as f32 + 0.5, row as f32 / (2 * REACH) as f32 + 0.5);
+    let tuft = f64::from(fractal(u, v, 9, 9, 3, hash(seed, 3)));
+    for _ in 0..(count * (0.3 + 1.4 * tuft)) as usize {
+        let foot = Vec3::new(
+            ((f64::from(column) + random.uniform()) * CELL) as f32,
+            0.0,
+            ((f64::from(row) + random.uniform()) * CELL) as f32,
+        );
+        let height = random.range(0.03, 0.11) * (0.5 + tuft);
+        let lean = random.range(0.1, 0.8) * height;
+        let (towards, across) = (random.range(0.0, TAU), random.range(0.0, TAU));
+        let tip = foot + Vec3::new((lean * cos(towards)) as f32, height as f32, (lean * sin(towards)) as f32);
+        let half = Vec3::new((0.002 * cos(across)) as f32, 0.0, (0.002 * sin(across)) as f32);
+        let hue = (random.uniform() * random.uniform() * COLOURS.len() as f64 * 1.2).min(COLOURS.len() as f64 - 1.0);
+        let u = (hue.floor() as f32 + 0.5) / COLOURS.len() as f32;
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend([foot - half, foot + half, tip]);
+        mesh.uvs.extend([Vec2::new(u, 0.94), Vec2::new(u, 0.94), Vec2::new(u, 0.06)]);
+        // Grass as a whole faces the sky; its single blades would sparkle. A triangle for each side keeps that normal.
+        mesh.normals.extend([Vec3::y(); 3]);
+        mesh.triangles.extend([[first, first + 1, first + 2], [first + 1, first, first + 2]]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blades_stand_on_the_ground_and_stay_short() {
+        let sward = mesh(1);
+        assert_eq!(sward.check(), Ok(()));
+        assert!((5_000..160_000).contains(&sward.triangles.len()), "{}", sward.triangles.len());
+        assert!(sward.positions.iter().all(|p| (0.0..0.2).contains(&p.y)));
+    }
+}
