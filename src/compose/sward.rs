@@ -64,7 +64,7 @@ fn sow(mesh: &mut Mesh, seed: u64, row: i32, column: i32, count: f64) {
         let (towards, across) = (random.range(0.0, TAU), random.range(0.0, TAU));
         let tip = foot + Vec3::new((lean * cos(towards)) as f32, height as f32, (lean * sin(towards)) as f32);
         let half = Vec3::new((0.002 * cos(across)) as f32, 0.0, (0.002 * sin(across)) as f32);
-        let hue = (random.uniform() * random.uniform() * COLOURS.len() as f64 * 1.2).min(COLOURS.len() as f64 - 1.0);
+        let hue = (random.uniform() * COLOURS.len() as f64).min(COLOURS.len() as f64 - 1.0);
         let u = (hue.floor() as f32 + 0.5) / COLOURS.len() as f32;
         let first = mesh.positions.len() as u32;
         mesh.positions.extend([foot - half, foot + half, tip]);

@@ -68,9 +68,10 @@ pub(super) fn simplified(mesh: &Mesh, counts: &[usize]) -> Vec<Simplified> {
     for &count in counts {
         let before = state.triangles.len();
         while state.triangles.len() > count {
-            let Some((cost, from, to)) = state.cheapest() else { break };
-            state.collapse(from, to);
-            error = error.max(cost);
+            match state.collapse_some(count) {
+                Some(cost) => error = error.max(cost),
+                None => break,
+            }
         }
         if state.triangles.len() == before {
             break;
@@ -138,8 +139,33 @@ impl State {
         edges
     }
 
-    /// The cheapest allowed collapse: cost, the vertex that goes, the vertex that it becomes.
-    fn cheapest(&self) -> Option<(f64, u32, u32)> {
+    /// Makes the cheapest collapses that do not touch one another, at most a tenth of the edges' number and no more than
+    /// needed for `count` triangles; the largest cost, or `None` when nothing may collapse.
+    fn collapse_some(&mut self, count: usize) -> Option<f64> {
+        let (candidates, around) = self.candidates();
+        let mut touched = vec![false; self.positions.len()];
+        let mut left = candidates.len() / 20 + 1;
+        let mut largest = None;
+        for (cost, from, to) in candidates {
+            if left == 0 || self.triangles.len() <= count {
+                break;
+            }
+            if touched[from as usize] || touched[to as usize] || !self.keeps_facing(from, to) {
+                continue;
+            }
+            for v in around[from as usize].iter().chain(&around[to as usize]) {
+                touched[*v as usize] = true;
+            }
+            self.collapse(from, to);
+            largest = Some(cost);
+            left -= 1;
+        }
+        largest
+    }
+
+    /// The collapses that keep the surface a disc, cheapest first (cost, the vertex that goes, the vertex that it becomes),
+    /// and each vertex's neighbours.
+    fn candidates(&self) -> (Vec<(f64, u32, u32)>, Vec<Vec<u32>>) {
         let edges = self.edges();
         let mut on_rim = vec![false; self.positions.len()];
         let mut around: Vec<Vec<u32>> = vec![Vec::new(); self.positions.len()];
@@ -167,7 +193,7 @@ impl State {
             }
         }
         candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
-        candidates.into_iter().find(|&(_, from, to)| self.keeps_facing(from, to))
+        (candidates, around)
     }
 
     /// Whether no triangle turns over when `from` becomes `to`.

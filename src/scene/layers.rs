@@ -56,15 +56,12 @@ fn make_room(below: &mut Map<String, Value>, above: &Map<String, Value>) {
     }
 }
 
-/// Whether a layer has an L-system of its own.
+/// Whether a layer has an L-system of its own: an axiom and a list of rules, which is empty when nothing is rewritten.
 #[must_use]
 pub fn is_whole_tree(layer: &Map<String, Value>) -> bool {
-    let filled = |key: &str| match layer.get("tree").and_then(|tree| tree.get(key)) {
-        Some(Value::String(text)) => !text.trim().is_empty(),
-        Some(Value::Array(list)) => !list.is_empty(),
-        _ => false,
-    };
-    filled("axiom") && filled("rules")
+    let tree = |key: &str| layer.get("tree").and_then(|tree| tree.get(key));
+    let axiom = tree("axiom").and_then(Value::as_str).is_some_and(|axiom| !axiom.trim().is_empty());
+    axiom && tree("rules").is_some_and(Value::is_array)
 }
 
 #[cfg(test)]

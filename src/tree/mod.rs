@@ -52,7 +52,7 @@ settings! {
     /// The tree's growth. With an L-system of its own a scene needs no species.
     pub struct Settings {
         /// Age; when given, the number of derivation steps, one a year.
-        age: Option<u32> = None, unit "a", range 1 => 200;
+        age: Option<u32> = None, unit "years", range 1 => 200;
         /// The string that growth starts from.
         axiom: String = String::new();
         /// Rewriting rules, `predecessor : condition : weight -> successor`, as in `A(l) : l > 1 : 0.3 -> F(l)A(l)`; the
