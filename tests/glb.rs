@@ -188,7 +188,7 @@ fn the_structure_is_that_of_the_layout() {
         names.sort_unstable();
         names.dedup();
         assert_eq!(names.len(), nodes);
-        assert_eq!(names.contains(&"leaf_7018"), layout == Layout::Nodes);
+        assert_eq!(names.contains(&"leaf_0000000000001b6a"), layout == Layout::Nodes);
     }
 }
 
