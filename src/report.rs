@@ -102,6 +102,19 @@ impl Report {
         }
     }
 
+    /// A stage's figure; `None` when the stage did not run or has none of that name.
+    #[must_use]
+    pub fn figure(&self, stage: &str, name: &str) -> Option<&Value> {
+        self.stages.iter().find(|known| known.name == stage)?.figures.get(name)
+    }
+
+    /// Adds a figure to a stage that ran, without counting a run.
+    pub fn note(&mut self, stage: &str, name: &str, value: impl Into<Value>) {
+        if let Some(stage) = self.stages.iter_mut().find(|known| known.name == stage) {
+            stage.figures.insert(name.to_owned(), value.into());
+        }
+    }
+
     /// The short table for a person.
     #[must_use]
     pub fn table(&self) -> String {
@@ -141,5 +154,16 @@ mod tests {
         assert_eq!((raster.runs, raster.items, raster.seconds), (2, 7, 3.0));
         assert_eq!(raster.error.as_ref().map(|e| e.value), Some(0.2));
         assert_eq!(raster.figures["cpu_seconds"], Value::from(3.5));
+    }
+
+    #[test]
+    fn figures_are_noted_for_stages_that_ran_and_no_others() {
+        let mut report = Report::default();
+        report.add("tree", 0.5, Figures::of(7));
+        report.note("tree", "leaf_area_index", 3.0);
+        report.note("leaf", "vertices", 220);
+        assert_eq!(report.figure("tree", "leaf_area_index"), Some(&Value::from(3.0)));
+        assert_eq!((report.stages.len(), report.stages[0].runs), (1, 1));
+        assert_eq!(report.figure("leaf", "vertices"), None);
     }
 }

@@ -81,7 +81,13 @@ fn frame() -> Frame {
             model("unused", &[(3, 2)]),
         ],
         instances: std::iter::once(trunk).chain((0..LEAVES).map(leaf)).collect(),
-        camera: Camera { position: Vec3::new(0.0, 2.0, 9.0), target: Vec3::new(0.0, 2.0, 0.0), field_of_view: 0.7 },
+        camera: Camera {
+            position: Vec3::new(0.0, 2.0, 9.0),
+            target: Vec3::new(0.0, 2.0, 0.0),
+            field_of_view: 0.7,
+            near: 0.05,
+            far: 100.0,
+        },
         sun: Sun { direction: Vec3::y(), irradiance: [1.0; 3] },
         sky: Sky { zenith: [0.2; 3], horizon: [0.5; 3] },
         ground: Some(Ground { texture: 3, tile: 1.0, haze: 50.0 }),
@@ -182,7 +188,7 @@ fn the_structure_is_that_of_the_layout() {
         names.sort_unstable();
         names.dedup();
         assert_eq!(names.len(), nodes);
-        assert_eq!(names.contains(&"leaf_7018"), layout == Layout::Nodes);
+        assert_eq!(names.contains(&"leaf_0000000000001b6a"), layout == Layout::Nodes);
     }
 }
 

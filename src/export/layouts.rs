@@ -32,12 +32,12 @@ impl Document<'_> {
         Ok(children)
     }
 
-    /// A node for one instance, named after its leaf or its model.
+    /// A node for one instance, named after its leaf (its stable id in hexadecimal) or its model.
     fn single(&mut self, instance: &Instance, placement: &Placement) -> Result<Option<Index<Node>>, ExportError> {
         let Some(mesh) = self.model(instance.model)? else { return Ok(None) };
         self.triangles += self.model_triangles(instance.model);
         let model_name = &self.frame.models[instance.model as usize].name;
-        let name = instance.leaf.map_or_else(|| model_name.clone(), |id| format!("leaf_{id}"));
+        let name = instance.leaf.map_or_else(|| model_name.clone(), |id| format!("leaf_{id:016x}"));
         let index = self.node(&name, Some(mesh));
         place(&mut self.root.nodes[index.value()], placement);
         Ok(Some(index))

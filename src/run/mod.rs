@@ -3,6 +3,7 @@
 mod fault;
 pub mod files;
 pub mod frame_list;
+mod leaf_area;
 pub mod manifest;
 mod picture_inset;
 mod preparation;
@@ -211,8 +212,7 @@ impl Run<'_> {
         outcome: &mut Outcome,
     ) -> Result<(), Diagnostics> {
         let limits = &self.options.limits;
-        let wardrobe =
-            wardrobe::wardrobe(self.scene, &self.prepared.states, &self.prepared.plan, limits, &mut self.report)?;
+        let wardrobe = wardrobe::wardrobe(self.scene, &self.prepared, limits, &mut self.report)?;
         if signals.came() {
             outcome.interrupted = true;
             return Ok(());

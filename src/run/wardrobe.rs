@@ -1,6 +1,8 @@
 //! Makes what leaves wear: the blade, its shapes and its textures, as far as the plan has jobs for them.
 
 use super::fault;
+use super::leaf_area::leaf_area_index;
+use super::preparation::Prepared;
 use super::stopwatch::timed;
 use crate::base::blade::Blade;
 use crate::base::diagnostic::Diagnostics;
@@ -14,6 +16,7 @@ use crate::leaf::{self, Pictures};
 use crate::plan::{self, Plan};
 use crate::report::Report;
 use crate::scene::{self, Scene};
+use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// An item of a stage: a state's number and a variant's.
@@ -25,16 +28,17 @@ type Item = (u16, u32);
 /// Pictures that cannot be read, outlines that cannot be meshed, steps that are not stable, limits.
 pub fn wardrobe(
     scene: &Scene,
-    states: &[String],
-    plan: &Plan,
+    prepared: &Prepared,
     limits: &Limits,
     report: &mut Report,
 ) -> Result<Wardrobe, Diagnostics> {
-    let mut wardrobe = Wardrobe { states: states.to_vec(), ..Wardrobe::default() };
+    let Prepared { states, plan, .. } = prepared;
+    let mut wardrobe = Wardrobe { states: states.clone(), ..Wardrobe::default() };
     if !plan.has("leaf") {
         return Ok(wardrobe);
     }
     let blade = blade(scene, limits, report)?;
+    note_leaf_area(prepared, &blade, report);
     if plan.has("deform") {
         let shapes = shapes(scene, states, plan, &blade, limits, report)?;
         for garment in &plan.garments {
@@ -50,6 +54,15 @@ pub fn wardrobe(
         }
     }
     Ok(wardrobe)
+}
+
+/// Adds to the tree's figures what takes a blade to know.
+fn note_leaf_area(prepared: &Prepared, blade: &Blade, report: &mut Report) {
+    let projection = report.figure("tree", "crown_projection_m2").and_then(Value::as_f64);
+    let index = projection.and_then(|ground| leaf_area_index(&prepared.tree.sites, &blade.mesh, ground));
+    if let Some(index) = index {
+        report.note("tree", "leaf_area_index", index);
+    }
 }
 
 fn blade(scene: &Scene, limits: &Limits, report: &mut Report) -> Result<Blade, Diagnostics> {

@@ -1,0 +1,193 @@
+//! How long each stage takes, and how that compares with drawing the picture: `cargo bench`, or `cargo bench -- 21` for as
+//! many rounds.
+//!
+//! Stages run in turn, round after round, so that a slow spell of the machine falls on all of them; the ratio of a stage
+//! to the rasteriser is taken within a round. Everything runs on one thread but what says otherwise.
+
+mod crown;
+
+use leafseason::base::blade::Blade;
+use leafseason::base::limits::Limits;
+use leafseason::base::mesh::Mesh;
+use leafseason::base::picture::Picture;
+use leafseason::colour::Painted;
+use leafseason::compose::{Garment, Stock, Wardrobe};
+use leafseason::export::Layout;
+use leafseason::frame::Frame;
+use leafseason::plan::{garments, items};
+use leafseason::run::{self, Options};
+use leafseason::scene::{self, Scene};
+use leafseason::season::LeafStates;
+use leafseason::tree::Tree;
+use leafseason::{colour, deform, export, leaf, raster, season, tree};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::hint::black_box;
+use std::path::Path;
+use std::time::Instant;
+
+const ROUNDS: usize = 7;
+/// What ratios are taken to.
+const UNIT: &str = "raster";
+
+/// One thing that is timed.
+struct Case<'a> {
+    name: &'static str,
+    threads: usize,
+    work: Box<dyn Fn() + Sync + 'a>,
+}
+
+/// A scene with everything that its stages need from one another.
+struct Inputs {
+    scene: Scene,
+    tree: Tree,
+    ids: Vec<u64>,
+    worn: Vec<Option<Garment>>,
+    blade: Blade,
+    shape_jobs: Vec<deform::Job>,
+    texture_jobs: Vec<colour::Job>,
+    wardrobe: Wardrobe,
+    frame: Frame,
+    picture: Picture,
+}
+
+fn main() {
+    let rounds = std::env::args().skip(1).find_map(|argument| argument.parse().ok()).unwrap_or(ROUNDS).max(1);
+    let inputs = Inputs::new(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/maple.toml"));
+    report("scenes/maple.toml", &timed(&inputs.cases(), rounds));
+    let frame = crown::frame();
+    let draw = |name, threads| Case { name, threads, work: Box::new(|| consume(raster::draw(&frame))) };
+    report(&crown::described(&frame), &timed(&[draw(UNIT, 1), draw("raster", 2)], rounds));
+}
+
+fn consume<T>(made: T) {
+    black_box(made);
+}
+
+impl Inputs {
+    fn new(path: &Path) -> Self {
+        let limits = Limits::default();
+        let (scene, _) = scene::read(path, &[], &[], &limits).expect("a scene");
+        let worn_garments = run::plan(&scene, &Options::default()).expect("a plan").garments;
+        let (tree, _) = tree::grow(&scene.tree, scene.seed, &limits).expect("a tree");
+        let ids: Vec<u64> = tree.sites.iter().map(|site| site.id).collect();
+        let states = states(&scene, &ids);
+        let (blade, _) = leaf::model(&scene.leaf, leaf::Pictures::default(), &limits).expect("a blade");
+        let shape_jobs = shape_jobs(&scene, &states.names, &worn_garments);
+        let texture_jobs = texture_jobs(&scene, &states.names, &worn_garments);
+        let worn = garments(&scene, &ids, &states);
+        let shapes = bent(&scene, &blade, &shape_jobs);
+        let textures = colour::paint(&scene.colour, &blade, &texture_jobs, scene.seed).0;
+        let wardrobe = wardrobe(&scene, states.names, &worn_garments, &shapes, &textures);
+        let frame = Stock::new(&scene, &tree, &wardrobe).frame(&scene, &tree, &worn);
+        let picture = raster::draw(&frame).0;
+        Self { scene, tree, ids, worn, blade, shape_jobs, texture_jobs, wardrobe, frame, picture }
+    }
+
+    fn cases(&self) -> Vec<Case<'_>> {
+        let Self { scene, tree, blade, frame, .. } = self;
+        let limits = Limits::default();
+        let grow = move || consume(tree::grow(&scene.tree, scene.seed, &limits));
+        let limits = Limits::default();
+        let model = move || consume(leaf::model(&scene.leaf, leaf::Pictures::default(), &limits));
+        vec![
+            case("tree", grow),
+            case("season", || consume(states(scene, &self.ids))),
+            case("leaf", model),
+            case("deform", || consume(bent(scene, blade, &self.shape_jobs))),
+            case("colour", || consume(colour::paint(&scene.colour, blade, &self.texture_jobs, scene.seed))),
+            case("compose", || consume(Stock::new(scene, tree, &self.wardrobe).frame(scene, tree, &self.worn))),
+            case(UNIT, || consume(raster::draw(frame))),
+            Case { threads: 2, ..case("raster", || consume(raster::draw(frame))) },
+            case("png", || consume(export::png(&self.picture))),
+            case("gltf nodes", || consume(export::glb(frame, Layout::Nodes))),
+            case("gltf merged", || consume(export::glb(frame, Layout::Merged))),
+            case("gltf instanced", || consume(export::glb(frame, Layout::Instanced))),
+        ]
+    }
+}
+
+fn case<'a>(name: &'static str, work: impl Fn() + Sync + 'a) -> Case<'a> {
+    Case { name, threads: 1, work: Box::new(work) }
+}
+
+fn states(scene: &Scene, ids: &[u64]) -> LeafStates {
+    season::assign(&scene.season, &scene.climate, scene.seed, ids, scene.time.at(0)).0
+}
+
+fn shape_jobs(scene: &Scene, states: &[String], worn: &[Garment]) -> Vec<deform::Job> {
+    let job = |(state, variant): (u16, u32)| {
+        let state = states[usize::from(state)].clone();
+        let dryness = scene.deform.states.get(&state).map_or(0.0, |shape| shape.dryness);
+        deform::Job { state, variant, dryness }
+    };
+    items(worn, scene.deform.shapes).into_iter().map(job).collect()
+}
+
+fn texture_jobs(scene: &Scene, states: &[String], worn: &[Garment]) -> Vec<colour::Job> {
+    let job = |(state, variant): (u16, u32)| colour::Job { state: states[usize::from(state)].clone(), variant };
+    items(worn, scene.colour.variants).into_iter().map(job).collect()
+}
+
+fn bent(scene: &Scene, blade: &Blade, jobs: &[deform::Job]) -> Vec<Mesh> {
+    deform::deform(&scene.deform, &blade.mesh, jobs, scene.seed, &Limits::default()).expect("shapes").0
+}
+
+/// What each garment is made of; `shapes` and `textures` are in the order of their items.
+fn wardrobe(scene: &Scene, states: Vec<String>, worn: &[Garment], shapes: &[Mesh], textures: &[Painted]) -> Wardrobe {
+    let place = |garment: &Garment, count: u32| {
+        items(worn, count).iter().position(|item| *item == (garment.state, garment.variant % count)).expect("an item")
+    };
+    Wardrobe {
+        shapes: worn.iter().map(|garment| (*garment, shapes[place(garment, scene.deform.shapes)].clone())).collect(),
+        textures: worn.iter().map(|g| (*g, textures[place(g, scene.colour.variants)].clone())).collect(),
+        states,
+    }
+}
+
+/// The name of a case and its times, seconds, a round each.
+struct Times {
+    name: String,
+    seconds: Vec<f64>,
+}
+
+/// Times all cases in turn, round after round, after one round that is not counted.
+fn timed(cases: &[Case<'_>], rounds: usize) -> Vec<Times> {
+    let pool = |case: &Case| ThreadPoolBuilder::new().num_threads(case.threads).build().expect("threads");
+    let pools: Vec<ThreadPool> = cases.iter().map(pool).collect();
+    let name = |case: &Case| match case.threads {
+        1 => case.name.to_owned(),
+        threads => format!("{}, {threads} threads", case.name),
+    };
+    let mut times: Vec<Times> = cases.iter().map(|case| Times { name: name(case), seconds: Vec::new() }).collect();
+    for round in 0..=rounds {
+        for ((case, pool), times) in cases.iter().zip(&pools).zip(&mut times) {
+            let start = Instant::now();
+            pool.install(&case.work);
+            if round > 0 {
+                times.seconds.push(start.elapsed().as_secs_f64());
+            }
+        }
+    }
+    times
+}
+
+/// Lower quartile, median and upper quartile, interpolated between neighbours.
+fn quartiles(values: &[f64]) -> [f64; 3] {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    [0.25, 0.5, 0.75].map(|share| {
+        let place = share * (sorted.len() - 1) as f64;
+        let (low, high) = (sorted[place.floor() as usize], sorted[place.ceil() as usize]);
+        low + (high - low) * place.fract()
+    })
+}
+
+fn report(what: &str, times: &[Times]) {
+    let unit = times.iter().find(|times| times.name == UNIT).expect("the rasteriser");
+    println!("\n{what}: {} rounds; median (quartiles) of seconds, and of ratios to {UNIT}", unit.seconds.len());
+    for Times { name, seconds } in times {
+        let ratios: Vec<f64> = seconds.iter().zip(&unit.seconds).map(|(own, unit)| own / unit).collect();
+        let ([low, middle, high], [ratio_low, ratio, ratio_high]) = (quartiles(seconds), quartiles(&ratios));
+        println!("{name:<18} {middle:>9.4} s ({low:.4} to {high:.4}) {ratio:>9.4} ({ratio_low:.4} to {ratio_high:.4})");
+    }
+}

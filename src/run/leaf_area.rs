@@ -1,0 +1,54 @@
+//! The leaf area index: what neither the tree stage, which knows no blade, nor the leaf stage, which knows no tree, can say.
+
+use crate::base::flat_mesh::FlatMesh;
+use crate::tree::LeafSite;
+
+/// One-sided area of all blades of the tree in full leaf over the ground below its crown, m2/m2 (Watson 1947, for one
+/// tree). `projection` is that ground, square metres. `None` without ground or leaves.
+#[must_use]
+pub fn leaf_area_index(sites: &[LeafSite], blade: &FlatMesh, projection: f64) -> Option<f64> {
+    let index = sites.iter().map(|site| site.scale * site.scale).sum::<f64>() * area(blade) / projection;
+    (index.is_finite() && index > 0.0).then_some(index)
+}
+
+/// Area of a flat blade, square metres.
+fn area(blade: &FlatMesh) -> f64 {
+    let twice = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| blade.positions[v as usize]);
+        (b - a).perp(&(c - a))
+    };
+    blade.triangles.iter().map(twice).sum::<f64>() * 0.5
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::vector::{DVec2, DVec3};
+
+    fn site(scale: f64) -> LeafSite {
+        let (base, petiole, blade, normal) = (DVec3::zeros(), DVec3::x(), DVec3::x(), DVec3::y());
+        LeafSite { id: 0, base, petiole, blade, normal, scale, order: 0 }
+    }
+
+    /// Two by three centimetres.
+    fn blade() -> FlatMesh {
+        let corners = [(0.0, 0.0), (0.02, 0.0), (0.02, 0.03), (0.0, 0.03)];
+        FlatMesh {
+            positions: corners.iter().map(|&(x, y)| DVec2::new(x, y)).collect(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..FlatMesh::default()
+        }
+    }
+
+    #[test]
+    fn blades_grow_with_the_square_of_their_scale() {
+        let index = leaf_area_index(&[site(1.0), site(2.0)], &blade(), 0.01).unwrap();
+        assert!((index - 5.0 * 6e-4 / 0.01).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_tree_without_leaves_or_ground_has_none() {
+        assert_eq!(leaf_area_index(&[], &blade(), 1.0), None);
+        assert_eq!(leaf_area_index(&[site(1.0)], &blade(), 0.0), None);
+    }
+}
