@@ -21,7 +21,7 @@ fn lattice(floor: f32) -> i64 {
 
 impl Noise {
     fn at(self, x: i64, y: i64) -> u64 {
-        hash(self.0, hash(x as u64, y as u64))
+        hash(self.0, (x as u64) << 32 ^ (y as u64 & 0xffff_ffff))
     }
 
     /// Gradient noise (Perlin 2002) with mean 0, about -0.7 to 0.7, features one unit across.
@@ -38,8 +38,8 @@ impl Noise {
         };
         let fade = |t: f32| t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
         let (u, v) = (fade(dx), fade(dy));
-        let low = corner(0, 0) + (corner(1, 0) - corner(0, 0)) * u;
-        let high = corner(0, 1) + (corner(1, 1) - corner(0, 1)) * u;
+        let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];
+        let (low, high) = (a + (b - a) * u, c + (d - c) * u);
         low + (high - low) * v
     }
 

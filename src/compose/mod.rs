@@ -166,7 +166,7 @@ impl Stock {
             transmitted: textures[1],
             back_gain: 1.35,
             gloss: if dry { 0.02 } else { 0.034 },
-            roughness: if dry { 0.8 } else { 0.42 },
+            roughness: if dry { 0.8 } else { 0.5 },
             two_sided: true,
         })
     }
