@@ -103,7 +103,7 @@ impl Atmosphere {
         if direction.y < 0.0 {
             return self.ground;
         }
-        let height = direction.y.sqrt();
+        let height = direction.y * (2.0 - direction.y);
         let cosine = direction.dot(&self.sun).max(0.0);
         let eighth = cosine * cosine * cosine * cosine * cosine * cosine * cosine * cosine;
         let around = eighth * eighth * eighth;
