@@ -69,7 +69,7 @@ pub struct Render {
     /// Only the share of worker K of N, from 0/N: every N-th frame of the list.
     #[arg(long, value_name = "K/N", default_value_t)]
     pub shard: Shard,
-    /// Threads to use [default: all cores]. Changes no byte of the output.
+    /// Threads to use [default: all cores]; fewer where the address space is bounded. Changes no byte of the output.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// Writes a report as JSON.
@@ -133,10 +133,12 @@ pub struct New {
 }
 
 impl SceneArguments {
-    /// The limits in force: the defaults, changed by `--limit` in the order given, then by `--memory-limit`.
+    /// The limits in force: the defaults, memory bounded by what is `available` (bytes), changed by `--limit` in the order
+    /// given, then by `--memory-limit`.
     #[must_use]
-    pub fn limits(&self) -> Limits {
+    pub fn limits(&self, available: f64) -> Limits {
         let mut limits = Limits::default();
+        limits.set(Limit::Memory, limits.get(Limit::Memory).min(available));
         self.limit.iter().for_each(|argument| limits.set(argument.limit, argument.value));
         if let Some(bytes) = self.memory_limit {
             limits.set(Limit::Memory, bytes);
@@ -251,7 +253,7 @@ mod tests {
         let found = render(&[]);
         assert_eq!((found.out.to_str(), found.shard, found.progress), (Some("out"), Shard::default(), Mode::Auto));
         assert!(found.frames.is_none() && found.threads.is_none() && !found.keep_going && !found.force);
-        assert_eq!(found.scene.limits(), Limits::default());
+        assert_eq!(found.scene.limits(f64::INFINITY), Limits::default());
     }
 
     #[test]
@@ -294,7 +296,7 @@ mod tests {
         assert_eq!(set, ["a.b=1", "c=[1, 2]"]);
         assert_eq!((found.progress, found.scene.asset_root.len()), (Mode::OpenJd, 2));
         assert!(found.keep_going && found.force && found.report.is_some() && found.states.is_some());
-        let limits = found.scene.limits();
+        let limits = found.scene.limits(f64::INFINITY);
         let values = [Limit::Leaves, Limit::Symbols, Limit::Memory, Limit::Frames].map(|limit| limits.get(limit));
         assert_eq!(values, [1000.0, 5.0, 2e9, Limits::default().get(Limit::Frames)]);
     }
@@ -347,7 +349,7 @@ mod tests {
         for limit in ALL_LIMITS {
             let flag = limit.flag(123_456_789.0);
             let arguments: Vec<&str> = flag.split(' ').collect();
-            assert!(render(&arguments).scene.limits().get(limit) >= 123_456_789.0, "{flag}");
+            assert!(render(&arguments).scene.limits(f64::INFINITY).get(limit) >= 123_456_789.0, "{flag}");
         }
     }
 }

@@ -4,7 +4,9 @@ use clap::Parser;
 use leafseason::base::diagnostic::{Diagnostic, Diagnostics, Fault};
 use leafseason::base::limits::Limits;
 use leafseason::base::message;
+use leafseason::base::picture::Picture;
 use leafseason::cli::{Cli, Command, Compare, New, Plan, Render, SceneArguments, Verify};
+use leafseason::run::memory;
 use leafseason::run::progress::{Event, Progress};
 use leafseason::run::signals::Signals;
 use leafseason::run::{self, Options};
@@ -13,23 +15,14 @@ use leafseason::{compare, species};
 use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 fn main() -> ExitCode {
-    std::panic::set_hook(Box::new(|panic| {
-        let what = panic.payload_as_str().unwrap_or("unknown");
-        let place = panic.location().map_or_else(String::new, |at| format!(" at {}:{}", at.file(), at.line()));
-        let version = env!("CARGO_PKG_VERSION");
-        complain(&format!(
-            "error: this is a bug of leafseason {version}{place}: {what}; please report it with the scene\n"
-        ));
-    }));
+    std::panic::set_hook(Box::new(tell_of_panic));
     let outcome = std::panic::catch_unwind(|| {
         let cli = match Cli::try_parse() {
             Ok(cli) => cli,
-            Err(answer) => {
-                let _ = answer.print();
-                return answer.exit_code() as u8;
-            }
+            Err(answer) => return tell_of_arguments(&answer),
         };
         command(cli.command).unwrap_or_else(|faults| {
             complain(&message::render_all(&faults.0));
@@ -37,6 +30,34 @@ fn main() -> ExitCode {
         })
     });
     ExitCode::from(outcome.unwrap_or_else(|_| Fault::Bug.exit_code()))
+}
+
+/// One line for the first panic; others are of threads that fell with it.
+fn tell_of_panic(panic: &std::panic::PanicHookInfo<'_>) {
+    static TOLD: AtomicBool = AtomicBool::new(false);
+    if TOLD.swap(true, Ordering::Relaxed) {
+        return;
+    }
+    let what = message::shown(panic.payload_as_str().unwrap_or("unknown"), 500);
+    let place = panic.location().map_or_else(String::new, |at| format!(" at {}:{}", at.file(), at.line()));
+    let version = env!("CARGO_PKG_VERSION");
+    complain(&format!(
+        "error: this is a bug of leafseason {version}{place}: {what}; please report it with the scene\n"
+    ));
+}
+
+/// Prints help, or what is wrong with the arguments, and returns the exit code. The parser quotes arguments as they are,
+/// control characters and all; it is asked again with arguments that are safe to print.
+fn tell_of_arguments(answer: &clap::Error) -> u8 {
+    if answer.exit_code() != 0 {
+        let safe = std::env::args_os().map(|argument| message::shown(&argument.to_string_lossy(), 1000));
+        match Cli::try_parse_from(safe) {
+            Err(answer) if answer.exit_code() != 0 => complain(&answer.render().to_string()),
+            _ => complain("error: an argument holds control characters or is not UTF-8\n"),
+        }
+        return Fault::Usage.exit_code();
+    }
+    print(&answer.render().to_string())
 }
 
 fn command(command: Command) -> Result<u8, Diagnostics> {
@@ -59,6 +80,9 @@ fn render(arguments: &Render) -> Result<u8, Diagnostics> {
         .map_err(|error| Diagnostic::error(Fault::Bug, format!("signals cannot be heard: {error}"), ""))?;
     use_threads(arguments.threads)?;
     let (scene, limits) = read(&arguments.scene)?;
+    if let Some(path) = &arguments.report {
+        run::destination::file(path)?;
+    }
     let options = Options {
         out: arguments.out.clone(),
         frames: arguments.frames.clone(),
@@ -87,18 +111,26 @@ fn render(arguments: &Render) -> Result<u8, Diagnostics> {
 }
 
 fn plan(arguments: &Plan) -> Result<u8, Diagnostics> {
+    use_threads(None)?;
     let (scene, limits) = read(&arguments.scene)?;
     let plan = run::plan(&scene, &Options { limits, ..Options::default() })?;
     Ok(print(&if arguments.json { json(&plan)? } else { plan.text() }))
 }
 
 fn compare_pictures(arguments: &Compare) -> Result<u8, Diagnostics> {
+    use_threads(None)?;
     let limits = Limits::default();
     let picture = |path: &Path| {
         let asset = Asset::outside(path);
-        scene::read_picture(&asset, &limits)
+        // no flag of this command raises a limit
+        let help = |fault: Diagnostic| match fault.fault {
+            Fault::Limit => Diagnostic { help: "compare parts of the pictures".to_owned(), ..fault },
+            _ => fault,
+        };
+        scene::read_picture(&asset, &limits).map_err(help)
     };
     let (a, b) = (picture(&arguments.a)?, picture(&arguments.b)?);
+    allow_comparison(&a)?;
     let comparison = match compare::compare(&a, &b) {
         Ok(comparison) => comparison,
         Err(sizes) => {
@@ -117,13 +149,27 @@ fn compare_pictures(arguments: &Compare) -> Result<u8, Diagnostics> {
     Ok(u8::from(comparison.max_difference > arguments.max))
 }
 
+/// Refuses pictures whose comparison would not fit into memory.
+fn allow_comparison(picture: &Picture) -> Result<(), Diagnostic> {
+    /// Memory for each pixel of FLIP's planes, bytes (measured: 98).
+    const PIXEL_BYTES: f64 = 105.0;
+    let wanted = f64::from(picture.width) * f64::from(picture.height) * PIXEL_BYTES;
+    if wanted <= memory::available(1) && memory::is_granted(wanted) {
+        return Ok(());
+    }
+    let what = format!("to compare these pictures takes {:.0} MB of memory, more than there is", wanted / 1e6);
+    Err(Diagnostic::error(Fault::Limit, what, "compare parts of them, or run it where more memory is free"))
+}
+
 fn verify(arguments: &Verify) -> Result<u8, Diagnostics> {
     let folder = &arguments.folder;
     let found = run::verify::verify(folder).map_err(|error| {
         let what = format!("cannot read the folder {}: {error}", message::shown(&folder.to_string_lossy(), 200));
         Diagnostic::error(Fault::Usage, what, "name the folder that `render` wrote to")
     })?;
-    let faults: String = found.faults.iter().map(|fault| format!("{fault}\n")).collect();
+    // names of files are not ours and may hold anything
+    let line = |fault: &run::verify::Fault| message::shown(&fault.to_string(), 1000) + "\n";
+    let faults: String = found.faults.iter().map(line).collect();
     print(&format!("{faults}{} frame(s), {} file(s), {} fault(s)\n", found.frames, found.files, found.faults.len()));
     Ok(u8::from(!found.faults.is_empty()))
 }
@@ -151,19 +197,21 @@ fn new_scene(arguments: &New) -> Result<u8, Diagnostics> {
 
 /// Reads a scene with its arguments and prints its warnings.
 fn read(arguments: &SceneArguments) -> Result<(Scene, Limits), Diagnostics> {
-    let limits = arguments.limits();
+    let limits = arguments.limits(memory::available(rayon::current_num_threads()));
     let sets: Vec<String> = arguments.set.iter().map(|set| set.text()).collect();
     let (scene, warnings) = scene::read(&arguments.scene, &sets, &arguments.asset_root, &limits)?;
     complain(&message::render_all(&warnings));
     Ok((scene, limits))
 }
 
+/// Starts the threads: as many as asked for, else one for each core; fewer where the address space is small.
 fn use_threads(threads: Option<u16>) -> Result<(), Diagnostics> {
-    let count = threads.map_or(0, usize::from);
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(count)
-        .build_global()
-        .map_err(|error| Diagnostic::error(Fault::Bug, format!("threads cannot be started: {error}"), "").into())
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let count = memory::threads(threads.map_or_else(cores, usize::from));
+    rayon::ThreadPoolBuilder::new().num_threads(count).build_global().map_err(|error| {
+        let what = format!("threads cannot be started: {error}");
+        Diagnostic::error(Fault::Limit, what, "ask for fewer with --threads, or let the system allow more").into()
+    })
 }
 
 fn json(value: &impl serde::Serialize) -> Result<String, Diagnostics> {

@@ -2,12 +2,16 @@
 //! reason. Growing the tree and drawing the leaves' states is cheap, so both come first and narrow the rest: no shape is
 //! bent and no texture painted that no leaf wears.
 
+use crate::base::message::shown;
 use crate::compose::{Garment, variant};
 use crate::scene::Scene;
 use crate::season::LeafStates;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
+
+/// Longest name of an item that is printed, in characters; states have names of the user's choice.
+const LONGEST_NAME: usize = 100;
 
 /// Why something is left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -250,10 +254,10 @@ impl Plan {
         for job in &self.jobs {
             let name = if job.name.is_empty() { String::new() } else { format!(" {}", job.name) };
             let feeds = if job.feeds.is_empty() { String::new() } else { format!(" -> {}", job.feeds.join(", ")) };
-            text.push_str(&format!("run      {}{name}{feeds}\n", job.stage));
+            text.push_str(&format!("run      {}{}{feeds}\n", job.stage, shown(&name, LONGEST_NAME)));
         }
         for left in &self.left_out {
-            text.push_str(&format!("left out {} ({})\n", left.what, left.reason));
+            text.push_str(&format!("left out {} ({})\n", shown(&left.what, LONGEST_NAME), left.reason));
         }
         text
     }

@@ -1,12 +1,15 @@
 //! The report of a run: what was done, how long it took, how wrong it is, and what was left out.
 
 use crate::base::figures::{ErrorFigure, Figures};
+use crate::base::message::shown;
 use crate::plan::LeftOut;
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+/// Longest name of an item that is printed, in characters; states have names of the user's choice.
+const LONGEST_NAME: usize = 100;
 /// The stages in the order of the work; the report lists those that ran.
 const STAGES: [&str; 10] = ["tree", "season", "leaf", "deform", "colour", "fall", "compose", "raster", "png", "gltf"];
 
@@ -128,7 +131,7 @@ impl Report {
             let _ = writeln!(text, "{name:<8} {runs:>5} {items:>10} {seconds:>9.3}  {error}");
         }
         for left in &self.left_out {
-            let _ = writeln!(text, "left out: {} ({})", left.what, left.reason);
+            let _ = writeln!(text, "left out: {} ({})", shown(&left.what, LONGEST_NAME), left.reason);
         }
         let (frames, seconds) = (self.frames.len(), self.seconds);
         let megabytes = self.peak_memory_bytes as f64 / 1e6;

@@ -51,6 +51,16 @@ impl Limit {
         }
     }
 
+    /// What is counted, for messages.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::PicturePixels => "pixels",
+            Self::Memory => "bytes of memory",
+            _ => self.name(),
+        }
+    }
+
     /// The flag that raises the limit to `wanted`.
     #[must_use]
     pub fn flag(self, wanted: f64) -> String {
@@ -63,7 +73,7 @@ impl Limit {
 
 /// A limit that refused something.
 #[derive(Clone, Debug, Error, PartialEq)]
-#[error("{what} needs {wanted:.0} {}, the limit is {allowed:.0}", .limit.name())]
+#[error("{what} needs {wanted:.0} {unit}, the limit is {allowed:.0}", unit = .limit.unit())]
 pub struct Refusal {
     /// Which limit.
     pub limit: Limit,

@@ -17,6 +17,13 @@ pub fn refused(scene: &Scene, table: &str, refusal: &Refusal) -> Diagnostics {
     Diagnostic::error(Fault::Limit, refusal.to_string(), refusal.help()).at(place).into()
 }
 
+/// The system has less memory left than the scene needs.
+pub fn out_of_memory(scene: &Scene, table: &str, wanted: f64) -> Diagnostics {
+    let what = format!("the scene needs {} MB of memory, which the system does not give", (wanted / 1e6).ceil());
+    let help = "ask for less, or run it where more memory is free";
+    Diagnostic::error(Fault::Limit, what, help).at(scene.place(table)).into()
+}
+
 /// A fault of the tree.
 pub fn tree(scene: &Scene, error: &TreeError) -> Diagnostics {
     match error {
@@ -82,7 +89,7 @@ pub fn deform(scene: &Scene, error: &DeformError) -> Diagnostics {
 
 /// A file that could not be written.
 pub fn written(error: &WriteError) -> Diagnostics {
-    Diagnostic::error(Fault::Output, error.to_string(), "free space or name another folder with --out").into()
+    Diagnostic::error(Fault::Output, error.to_string(), "free space there, or name another place").into()
 }
 
 /// An output that could not be encoded.
@@ -94,8 +101,6 @@ pub fn export(error: &ExportError) -> Diagnostics {
 pub fn frame_list(error: &ExpansionFault) -> Diagnostics {
     match error {
         ExpansionFault::Limit(refusal) => Diagnostic::error(Fault::Limit, refusal.to_string(), refusal.help()).into(),
-        ExpansionFault::Twice { .. } => {
-            Diagnostic::error(Fault::Usage, error.to_string(), "name each frame once").into()
-        }
+        ExpansionFault::Twice { .. } => Diagnostic::error(Fault::Usage, error.to_string(), "").into(),
     }
 }

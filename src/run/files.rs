@@ -27,6 +27,12 @@ pub enum WriteError {
         /// The path.
         path: PathBuf,
     },
+    /// The folder is not there.
+    #[error("cannot write {}: its folder is not there", .path.display())]
+    NoFolder {
+        /// The path.
+        path: PathBuf,
+    },
     /// The system refused.
     #[error("cannot write {}: {source}", .path.display())]
     System {
@@ -42,12 +48,7 @@ pub enum WriteError {
 /// # Errors
 /// [`WriteError`]; the temporary is removed and the final name is as it was.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    if path.file_name().is_none() {
-        return Err(WriteError::NoName { path: path.to_owned() });
-    }
-    if fs::symlink_metadata(path).is_ok_and(|found| found.is_dir()) {
-        return Err(WriteError::FolderInTheWay { path: path.to_owned() });
-    }
+    check(path)?;
     let folder = folder_of(path);
     let failed = |source| WriteError::System { path: path.to_owned(), source };
     let (temporary, file) = open_temporary(folder).map_err(failed)?;
@@ -58,6 +59,21 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
         return Err(failed(source));
     }
     sync_folder(folder).map_err(failed)
+}
+
+/// Whether a file could be written there, as far as that can be told without writing: worth asking before hours of work.
+///
+/// # Errors
+/// [`WriteError`] as from [`write()`].
+pub fn check(path: &Path) -> Result<(), WriteError> {
+    let own = || path.to_owned();
+    if path.file_name().is_none() {
+        return Err(WriteError::NoName { path: own() });
+    }
+    if fs::symlink_metadata(path).is_ok_and(|found| found.is_dir()) {
+        return Err(WriteError::FolderInTheWay { path: own() });
+    }
+    if folder_of(path).is_dir() { Ok(()) } else { Err(WriteError::NoFolder { path: own() }) }
 }
 
 /// Removes the temporaries of processes that no longer run. Those of living processes stay, also this one's; those of
@@ -220,7 +236,7 @@ mod tests {
     fn a_missing_folder_is_an_error_that_names_the_file() {
         let folder = tempdir().unwrap();
         let error = write(&folder.path().join("none/a.png"), b"one").unwrap_err();
-        assert!(matches!(error, WriteError::System { .. }) && error.to_string().contains("none/a.png"));
+        assert!(matches!(error, WriteError::NoFolder { .. }) && error.to_string().contains("none/a.png"));
         assert!(matches!(write(Path::new("/"), b""), Err(WriteError::NoName { .. })));
     }
 

@@ -1,10 +1,12 @@
 //! Runs a scene: the part that touches disk, clock, threads and signals. Everything it calls is pure.
 
+pub mod destination;
 mod fault;
 pub mod files;
 pub mod frame_list;
 mod leaf_area;
 pub mod manifest;
+pub mod memory;
 mod picture_inset;
 mod preparation;
 pub mod progress;
@@ -93,7 +95,7 @@ pub fn plan(scene: &Scene, options: &Options) -> Result<Plan, Diagnostics> {
     for asset in scene.assets.values() {
         crate::scene::read_picture(asset, &options.limits)?;
     }
-    Ok(preparation::prepare(scene, &frames, &options.limits, options.leave_out, &mut report)?.plan)
+    Ok(preparation::prepare(scene, &frames, &options.limits, options.leave_out, &|| false, &mut report)?.plan)
 }
 
 /// Renders the frames that are asked for and not finished yet.
@@ -108,6 +110,7 @@ pub fn render(
 ) -> Result<Outcome, Diagnostics> {
     let start = Instant::now();
     let frames = asked(scene, options)?;
+    destination::check(scene, &options.out, options.states.as_deref())?;
     let mut report = Report {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         scene: scene.name.clone(),
@@ -122,7 +125,8 @@ pub fn render(
     };
     let (kept, to_do): (Vec<i64>, Vec<i64>) = frames.iter().copied().partition(kept);
     progress.tell(Event::Started { frames: frames.len() as u64 });
-    let prepared = preparation::prepare(scene, &to_do, &options.limits, options.leave_out, &mut report)?;
+    let prepared =
+        preparation::prepare(scene, &to_do, &options.limits, options.leave_out, &|| signals.came(), &mut report)?;
     report.left_out.clone_from(&prepared.plan.left_out);
     let mut run = Run { scene, options, prepared, names, report, states_text: states_file::HEADER.to_owned() };
     for frame in kept {
@@ -211,6 +215,10 @@ impl Run<'_> {
         key: &dyn Fn(i64) -> Key,
         outcome: &mut Outcome,
     ) -> Result<(), Diagnostics> {
+        if signals.came() {
+            outcome.interrupted = true;
+            return Ok(());
+        }
         let limits = &self.options.limits;
         let wardrobe = wardrobe::wardrobe(self.scene, &self.prepared, limits, &mut self.report)?;
         if signals.came() {
@@ -227,7 +235,9 @@ impl Run<'_> {
         files::clean(&self.options.out);
         // Pictures that later frames repeat are kept until the last of them.
         let mut drawn: BTreeMap<i64, FrameFiles> = BTreeMap::new();
-        for planned in self.prepared.plan.frames.clone() {
+        let frames = self.prepared.plan.frames.clone();
+        let last_use: BTreeMap<i64, i64> = frames.iter().filter_map(|f| Some((f.same_as?, f.index))).collect();
+        for planned in frames {
             if signals.came() {
                 outcome.interrupted = true;
                 break;
@@ -235,10 +245,10 @@ impl Run<'_> {
             match self.draw(planned, stock.as_ref(), &drawn, key) {
                 Ok(files) => {
                     progress.tell(Event::Drawn { frame: planned.index });
-                    let repeated = self.prepared.plan.frames.iter().any(|f| f.same_as == Some(planned.index));
-                    if repeated {
+                    if last_use.contains_key(&planned.index) {
                         drawn.insert(planned.index, files);
                     }
+                    drawn.retain(|earlier, _| planned.same_as != Some(*earlier) || last_use[earlier] != planned.index);
                 }
                 Err(fault) if self.options.keep_going => {
                     progress.tell(Event::Failed { frame: planned.index, message: &fault.to_string() });

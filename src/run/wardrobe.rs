@@ -6,7 +6,7 @@ use super::preparation::Prepared;
 use super::stopwatch::timed;
 use crate::base::blade::Blade;
 use crate::base::diagnostic::Diagnostics;
-use crate::base::limits::Limits;
+use crate::base::limits::{Limit, Limits};
 use crate::base::mesh::Mesh;
 use crate::base::picture::Picture;
 use crate::colour::{self, Painted};
@@ -18,6 +18,9 @@ use crate::report::Report;
 use crate::scene::{self, Scene};
 use serde_json::Value;
 use std::collections::BTreeMap;
+
+/// Memory for each pixel of a scan while it is traced, bytes (measured: 27).
+const TRACED_BYTES: f64 = 32.0;
 
 /// An item of a stage: a state's number and a variant's.
 type Item = (u16, u32);
@@ -71,6 +74,11 @@ fn blade(scene: &Scene, limits: &Limits, report: &mut Report) -> Result<Blade, D
         asset.map(|asset| scene::read_picture(asset, limits)).transpose().map_err(Diagnostics::from)
     };
     let (picture, mask) = (read("leaf.picture")?, read("leaf.mask")?);
+    if let Some(picture) = &picture {
+        let wanted = f64::from(picture.width) * f64::from(picture.height) * TRACED_BYTES;
+        let allowed = limits.allow(Limit::Memory, "leaf.picture", wanted);
+        allowed.map_err(|refusal| fault::refused(scene, "leaf.picture", &refusal))?;
+    }
     let pictures = Pictures { picture: picture.as_ref(), mask: mask.as_ref() };
     timed(report, "leaf", || leaf::model(&scene.leaf, pictures, limits)).map_err(|error| fault::leaf(scene, &error))
 }

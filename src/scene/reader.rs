@@ -103,7 +103,10 @@ impl Reader<'_> {
         layers::lay(&mut whole, above);
         let mut scene = self.scene(source, &whole)?;
         self.name_assets(&mut scene, &whole);
-        for (table, one) in complaint::complaints(&scene) {
+        // Without its species a scene lacks much that its author did not forget.
+        let is_bare = self.findings.iter().any(|finding| finding.path == "species");
+        let from_species = |table: &str| matches!(table, "season" | "tree" | "leaf" | "deform" | "colour");
+        for (table, one) in complaint::complaints(&scene).into_iter().filter(|one| !is_bare || !from_species(one.0)) {
             let (path, diagnostic) = complaint::diagnostic(&self.places, table, one);
             self.complain(source, path, diagnostic);
         }

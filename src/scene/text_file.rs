@@ -17,16 +17,21 @@ pub const LARGEST: u64 = 16_000_000;
 /// # Errors
 /// It cannot be read, is too large, or is not UTF-8 (with the place of the first wrong byte).
 pub fn read(path: &Path, name: &str) -> Result<(Arc<Source>, TextFile), Diagnostic> {
-    let unreadable = |error: &std::io::Error| {
+    let unreadable = |error: &dyn std::fmt::Display| {
         let place = Place { source: source(name, String::new()), span: 0..0 };
         let help = "give the path of a scene file that may be read";
         Diagnostic::error(Fault::Scene, format!("cannot read this file: {error}"), help).at(Some(place))
     };
-    let file = File::open(path).map_err(|error| unreadable(&error))?;
-    let length = file.metadata().map_err(|error| unreadable(&error))?.len();
+    let found = std::fs::metadata(path).map_err(|error| unreadable(&error))?;
+    if !found.is_file() {
+        // opening a pipe waits for its writer, and a device may never end
+        return Err(unreadable(&"it is a folder, pipe or device"));
+    }
+    let length = found.len();
     let mut bytes = Vec::new();
     if length <= LARGEST {
-        // a pipe has no length: never take more than one byte too many
+        let file = File::open(path).map_err(|error| unreadable(&error))?;
+        // it may have grown: never take more than one byte too many
         file.take(LARGEST + 1).read_to_end(&mut bytes).map_err(|error| unreadable(&error))?;
     }
     if length > LARGEST || bytes.len() as u64 > LARGEST {

@@ -54,8 +54,17 @@ impl Grammar {
 
     /// Whether any module can be cut off by `%`.
     pub fn cuts(&self) -> bool {
-        let templates = self.axiom.iter().chain(self.rules.iter().flat_map(|rule| &rule.successor));
-        templates.into_iter().any(|template| template.letter == b'%')
+        self.writes(b'%')
+    }
+
+    /// Whether there can be a leaf.
+    pub fn bears_leaves(&self) -> bool {
+        self.writes(b'L')
+    }
+
+    fn writes(&self, letter: u8) -> bool {
+        let mut templates = self.axiom.iter().chain(self.rules.iter().flat_map(|rule| &rule.successor));
+        templates.any(|template| template.letter == letter)
     }
 }
 

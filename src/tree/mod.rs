@@ -48,6 +48,11 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use thiserror::Error;
 
+/// Memory that a module `F` comes to, bytes: segment, path and a ring of the wood (measured: 200 straight, 600 in zigzag).
+const LENGTH_BYTES: f64 = 640.0;
+/// Memory that a leaf comes to before it is drawn, bytes.
+const LEAF_BYTES: f64 = 400.0;
+
 settings! {
     /// The tree's growth. With an L-system of its own a scene needs no species.
     pub struct Settings {
@@ -152,11 +157,13 @@ pub fn check(settings: &Settings) -> Vec<Complaint> {
 /// Complaints about the settings, a value that is not defined, or a limit that stands in the way.
 pub fn grow(settings: &Settings, seed: u64, limits: &Limits) -> Result<(Tree, Figures), TreeError> {
     let grammar = Grammar::new(settings).map_err(TreeError::Settings)?;
-    if settings.shade == 0.0 {
+    if settings.shade == 0.0 || !grammar.bears_leaves() {
         growth::allow(&grammar, settings.steps(), limits)?;
     }
     let modules = derivation::derive(&grammar, settings, seed, limits)?;
-    limits.allow(Limit::Leaves, "tree.rules", modules.count(b'L') as f64)?;
+    let (leaves, lengths) = (modules.count(b'L') as f64, modules.count(b'F') as f64);
+    limits.allow(Limit::Leaves, "tree.rules", leaves)?;
+    limits.allow(Limit::Memory, "tree.rules", lengths * LENGTH_BYTES + leaves * LEAF_BYTES)?;
     let mut drawing = turtle::draw(&modules, settings.angle, settings.tropism)?;
     let symbols = modules.len();
     drop(modules);

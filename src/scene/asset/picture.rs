@@ -28,9 +28,15 @@ pub fn read_picture(asset: &Asset, limits: &Limits) -> Result<Picture, Diagnosti
 
 fn bytes(asset: &Asset, limits: &Limits) -> Result<Vec<u8>, Diagnostic> {
     let failed = |error: std::io::Error| unreadable(&asset.name, &error);
-    let file = File::open(&asset.path).map_err(failed)?;
-    let length = file.metadata().map_err(failed)?.len();
+    let found = std::fs::metadata(&asset.path).map_err(failed)?;
+    if !found.is_file() {
+        // opening a pipe waits for its writer, and a device may never end
+        let what = format!("\"{}\" is a folder, pipe or device", shown(&asset.name, super::QUOTED));
+        return Err(Diagnostic::error(Fault::Asset, what, "name a PNG or JPEG file"));
+    }
+    let length = found.len();
     allow_bytes(&asset.name, length, limits)?;
+    let file = File::open(&asset.path).map_err(failed)?;
     let mut bytes = Vec::new();
     file.take(length).read_to_end(&mut bytes).map_err(failed)?;
     Ok(bytes)
@@ -54,6 +60,7 @@ fn decode(name: &str, bytes: &[u8], limits: &Limits) -> Result<Picture, Diagnost
     let pixels = u64::from(width) * u64::from(height);
     let what = format!("\"{name}\" ({width} x {height})");
     let allowed = limits.allow(Limit::PicturePixels, &what, pixels as f64);
+    let allowed = allowed.and_then(|()| limits.allow(Limit::Memory, &what, pixels as f64 * DECODED_BYTES as f64));
     allowed.map_err(|refusal| Diagnostic::error(Fault::Limit, refusal.to_string(), refusal.help()))?;
     let most = pixels.saturating_mul(DECODED_BYTES) + 1_000_000;
     let decoded = reader(bytes, format, most).decode().map_err(failed)?.into_rgba8();
