@@ -40,18 +40,29 @@ impl Corner {
     }
 }
 
+/// A cluster where it stands.
+#[derive(Clone, Copy)]
+pub(super) struct Placed<'a> {
+    /// The view that it is drawn in.
+    pub projection: &'a Projection,
+    /// From its model's to the world's coordinates.
+    pub transform: &'a Affine,
+    /// The cluster.
+    pub cluster: &'a Cluster,
+    /// Whether triangles are drawn that show their backs.
+    pub two_sided: bool,
+}
+
 /// Draws a cluster. `owner` is the number that its triangles are to carry, given the triangle's number in the cluster; it
 /// is called only for triangles that may be seen, and `won` is told when one has won a sample.
 pub(super) fn cluster<const S: usize>(
     nearest: &mut Nearest<S>,
     scratch: &mut Scratch,
-    projection: &Projection,
-    transform: &Affine,
-    cluster: &Cluster,
+    placed: Placed<'_>,
     corner: Corner,
-    two_sided: bool,
     mut seen: impl FnMut(u16, &mut dyn FnMut(u32) -> bool),
 ) {
+    let Placed { projection, transform, cluster, two_sided } = placed;
     let map = composed(&projection.map, transform);
     let (near, far) = (projection.near, projection.far);
     scratch.mapped.clear();

@@ -3,9 +3,9 @@
 use super::bins::Bins;
 use super::cluster::ClusteredMesh;
 use super::coverage::{Nearest, SIDE};
-use super::draw::{self, Corner, Scratch};
+use super::draw::{self, Corner, Placed, Scratch};
 use super::projection::Projection;
-use crate::base::maths::{cosf, sinf};
+use crate::base::maths::sincosf;
 use crate::base::random::hash_unit;
 use crate::base::vector::{Vec2, Vec3};
 use crate::frame::Frame;
@@ -23,6 +23,8 @@ pub(super) struct ShadowMap {
     projection: Projection,
     size: usize,
     nearness: Vec<f32>,
+    /// Where the taps lie in a disc of radius 1: a Vogel spiral, which fills it evenly.
+    taps: [Vec2; TAPS],
 }
 
 impl ShadowMap {
@@ -48,7 +50,7 @@ impl ShadowMap {
                 }
             }
         });
-        Some(Self { projection, size, nearness })
+        Some(Self { projection, size, nearness, taps: spiral() })
     }
 
     /// The lit share at a point of a surface with this unit normal; `salt` turns the taps, so that neighbouring pixels
@@ -58,11 +60,10 @@ impl ShadowMap {
         let lifted = point + normal * (1.5 * texel);
         let screen = self.projection.screen(self.projection.map.point(lifted));
         let nearness = screen.nearness + 0.5 * texel;
-        let turn = hash_unit(salt, 0) * std::f32::consts::TAU;
+        let (sine, cosine) = sincosf(hash_unit(salt, 0) * std::f32::consts::TAU);
         let tap = |index: usize, radius: f32| {
-            let angle = turn + GOLDEN_ANGLE * index as f32;
-            let reach = radius * ((index as f32 + 0.5) / TAPS as f32).sqrt();
-            self.at(Vec2::new(screen.x + reach * cosf(angle), screen.y + reach * sinf(angle)))
+            let [x, y]: [f32; 2] = (self.taps[index] * radius).into();
+            self.at(Vec2::new(screen.x + x * cosine - y * sine, screen.y + x * sine + y * cosine))
         };
         // A first look finds how far what casts the shadow is; that sets the penumbra of the second.
         let search = (2.0 * SUN_RADIUS * self.projection.pixels_per_metre).max(1.0);
@@ -89,6 +90,13 @@ impl ShadowMap {
     }
 }
 
+fn spiral() -> [Vec2; TAPS] {
+    std::array::from_fn(|index| {
+        let (sine, cosine) = sincosf(GOLDEN_ANGLE * index as f32);
+        Vec2::new(cosine, sine) * ((index as f32 + 0.5) / TAPS as f32).sqrt()
+    })
+}
+
 fn tile(
     frame: &Frame,
     meshes: &[ClusteredMesh],
@@ -107,7 +115,8 @@ fn tile(
         }
         let cluster = item.cluster_in(meshes);
         let transform = &frame.instances[item.instance as usize].transform;
-        draw::cluster(&mut nearest, &mut scratch, projection, transform, cluster, corner, true, |_, draw| {
+        let placed = Placed { projection, transform, cluster, two_sided: true };
+        draw::cluster(&mut nearest, &mut scratch, placed, corner, |_, draw| {
             draw(0);
         });
     }

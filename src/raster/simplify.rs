@@ -81,6 +81,11 @@ pub(super) fn simplified(mesh: &Mesh, counts: &[usize]) -> Vec<Simplified> {
     versions
 }
 
+/// What a collapse costs, the vertex that goes, the vertex that it becomes.
+type Collapse = (f64, u32, u32);
+/// The vertices that share an edge with each vertex.
+type Neighbours = Vec<Vec<u32>>;
+
 struct State {
     positions: Vec<DVec3>,
     quadrics: Vec<Quadric>,
@@ -163,12 +168,11 @@ impl State {
         largest
     }
 
-    /// The collapses that keep the surface a disc, cheapest first (cost, the vertex that goes, the vertex that it becomes),
-    /// and each vertex's neighbours.
-    fn candidates(&self) -> (Vec<(f64, u32, u32)>, Vec<Vec<u32>>) {
+    /// The collapses that keep the surface a disc, cheapest first, and each vertex's neighbours.
+    fn candidates(&self) -> (Vec<Collapse>, Neighbours) {
         let edges = self.edges();
         let mut on_rim = vec![false; self.positions.len()];
-        let mut around: Vec<Vec<u32>> = vec![Vec::new(); self.positions.len()];
+        let mut around: Neighbours = vec![Vec::new(); self.positions.len()];
         for (&[a, b], &(count, _)) in &edges {
             around[a as usize].push(b);
             around[b as usize].push(a);
@@ -177,7 +181,7 @@ impl State {
                 on_rim[b as usize] = true;
             }
         }
-        let mut candidates: Vec<(f64, u32, u32)> = Vec::with_capacity(edges.len() * 2);
+        let mut candidates: Vec<Collapse> = Vec::with_capacity(edges.len() * 2);
         for (&[a, b], &(count, _)) in &edges {
             let shared = around[a as usize].iter().filter(|v| around[b as usize].contains(v)).count();
             // Only then does the surface stay a disc: an edge's ends share just the corners of its triangles.

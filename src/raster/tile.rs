@@ -3,7 +3,7 @@
 use super::bins::Bins;
 use super::coverage::Nearest;
 pub(super) use super::coverage::SIDE;
-use super::draw::{self, Corner, Scratch};
+use super::draw::{self, Corner, Placed, Scratch};
 use super::projection::Lens;
 use super::samples::{SUBPIXEL, pattern};
 use super::{Prepared, shade};
@@ -58,16 +58,8 @@ pub(super) fn draw<const S: usize>(prepared: &Prepared, bins: &Bins, column: usi
                 seen.push(Seen { item: number, triangle });
             }
         };
-        draw::cluster(
-            &mut nearest,
-            &mut scratch,
-            &prepared.projection,
-            transform,
-            cluster,
-            corner,
-            two_sided,
-            &mut visit,
-        );
+        let placed = Placed { projection: &prepared.projection, transform, cluster, two_sided };
+        draw::cluster(&mut nearest, &mut scratch, placed, corner, &mut visit);
     }
     resolve(prepared, bins, corner, &nearest, &seen)
 }
