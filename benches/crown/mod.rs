@@ -36,7 +36,7 @@ pub fn frame() -> Frame {
         },
         sun: Sun { direction: Vec3::new(0.5, 0.6, 0.6).normalize(), irradiance: [3.0, 2.8, 2.4] },
         sky: Sky { zenith: [0.1, 0.2, 0.5], horizon: [0.5, 0.6, 0.7] },
-        ground: Some(Ground { texture: 2, tile: 2.0, haze: 200.0 }),
+        ground: Some(Ground { texture: 2, tile: 2.0, haze: 200.0, ..Ground::default() }),
         view: View {
             width: 1920,
             height: 1080,

@@ -7,8 +7,9 @@ use super::scan::Scan;
 use super::surface::Surface;
 use super::{Pigments, Settings, Table};
 use crate::base::blade::Blade;
+use crate::base::encoding::SrgbEncoder;
 use crate::base::figures::{ErrorFigure, Figures};
-use crate::base::maths::{linear_to_srgb8, mix, smooth_step};
+use crate::base::maths::{mix, smooth_step};
 use crate::base::random::{Purpose, Stream, hash};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
@@ -149,10 +150,11 @@ fn finished(surface: &Surface, colours: &[Pair]) -> Painted {
     let mut number = vec![0usize; surface.inside.len()];
     let inside = (0..surface.inside.len()).filter(|&pixel| surface.inside[pixel]);
     inside.enumerate().for_each(|(index, pixel)| number[pixel] = index);
+    let encoder = SrgbEncoder::default();
     let code = |&(source, gap): &(u32, f32)| {
         let near = &colours[number[source as usize]];
         let faded = smooth_step(FADE.0, FADE.1, gap);
-        let codes: [u8; 6] = std::array::from_fn(|c| linear_to_srgb8(mix(near[c], mean[c], faded)));
+        let codes: [u8; 6] = std::array::from_fn(|c| encoder.code(mix(near[c], mean[c], faded)));
         codes
     };
     let codes: Vec<[u8; 6]> = surface.filler.iter().map(code).collect();
@@ -191,7 +193,7 @@ fn figures(settings: &Settings, optics: &Optics, inks: &BTreeMap<String, Ink>, j
 mod tests {
     use super::super::surface::tests::blade;
     use super::*;
-    use crate::base::maths::srgb_to_linear;
+    use crate::base::maths::{linear_to_srgb8, srgb_to_linear};
     use crate::base::picture::Picture;
 
     fn settings() -> Settings {

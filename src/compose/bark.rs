@@ -17,13 +17,13 @@ pub(super) fn texture(colour: [f64; 3], seed: u64) -> Texture {
     let encoder = SrgbEncoder::default();
     let texel = |index: u32| {
         let (u, v) = ((index % SIZE) as f32 / SIZE as f32, (index / SIZE) as f32 / SIZE as f32);
-        let wander = (fractal(u, v, 6, 3, 3, salt(1)) - 0.5) * 0.12;
+        let wander = (fractal(u, v, 6, 3, 2, salt(1)) - 0.5) * 0.12;
         let ridge = (fractal(u + wander, v, 15, 3, 2, salt(2)) - 0.5).abs();
         let fissure = 1.0 - smooth_step(0.0, 0.11, ridge);
         let fine = (fractal(u + wander, v, 40, 7, 2, salt(3)) - 0.5).abs();
         let cracks = 1.0 - smooth_step(0.0, 0.09, fine);
-        let grain = fractal(u, v, 64, 16, 3, salt(4));
-        let lichen = smooth_step(0.55, 0.75, fractal(u, v, 11, 9, 3, salt(5)));
+        let grain = fractal(u, v, 64, 16, 2, salt(4));
+        let lichen = smooth_step(0.55, 0.75, fractal(u, v, 11, 9, 2, salt(5)));
         let light = (0.78 + 0.5 * grain) * (1.0 - 0.30 * fissure) * (1.0 - 0.45 * cracks);
         std::array::from_fn(|k| {
             let pale = [0.30, 0.33, 0.27][k];

@@ -25,7 +25,7 @@ pub(super) fn texture(seed: u64) -> Texture {
     let mut linear = vec![[0.0f32; 3]; (SIZE * SIZE) as usize];
     linear.par_iter_mut().enumerate().for_each(|(index, texel)| {
         let (u, v) = ((index as i32 % SIZE) as f32 / SIZE as f32, (index as i32 / SIZE) as f32 / SIZE as f32);
-        let soil = 0.6 + 0.8 * fractal(u, v, 64, 64, 3, hash(seed, 1));
+        let soil = 0.6 + 0.8 * fractal(u, v, 96, 96, 1, hash(seed, 1));
         *texel = [0.055 * soil, 0.058 * soil, 0.022 * soil];
     });
     for blade in 0..BLADES {

@@ -10,9 +10,6 @@ use rayon::prelude::*;
 /// Instances that one task bins; fixed, so that the order of items does not depend on the threads.
 const CHUNK: usize = 1024;
 
-/// Error in pixels that a coarser level of a mesh may make where it stands.
-pub(super) const LOD_ERROR: f32 = 0.3;
-
 /// A cluster of an instance.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Item {
@@ -51,15 +48,17 @@ pub(super) struct Bins {
 }
 
 impl Bins {
-    /// Bins instances of a frame's models for a picture of `width` x `height` pixels.
+    /// Bins instances of a frame's models for a picture of `size` pixels. Meshes are taken in the coarsest level that is
+    /// within `lod_error` pixels.
     pub(super) fn new(
         frame: &Frame,
         instances: &[Instance],
         meshes: &[ClusteredMesh],
         projection: &Projection,
-        width: u32,
-        height: u32,
+        size: [u32; 2],
+        lod_error: f32,
     ) -> Self {
+        let [width, height] = size;
         let (columns, rows) = ((width as usize).div_ceil(SIDE), (height as usize).div_ceil(SIDE));
         let limits = [width as i32 - 1, height as i32 - 1];
         let chunks: Vec<Vec<Item>> = instances
@@ -69,7 +68,7 @@ impl Bins {
                 let mut items = Vec::new();
                 for (offset, instance) in instances.iter().enumerate() {
                     let number = (chunk * CHUNK + offset) as u32;
-                    push_items(frame, meshes, projection, limits, number, instance, &mut items);
+                    push_items(frame, meshes, projection, lod_error, limits, (number, instance), &mut items);
                 }
                 items
             })
@@ -100,13 +99,13 @@ fn push_items(
     frame: &Frame,
     meshes: &[ClusteredMesh],
     projection: &Projection,
+    lod_error: f32,
     limits: [i32; 2],
-    number: u32,
-    instance: &Instance,
+    (number, instance): (u32, &Instance),
     items: &mut Vec<Item>,
 ) {
     let scale = instance.transform.linear.column(0).norm();
-    let tolerance = projection.metres(instance.transform.translation) * LOD_ERROR / scale.max(1e-12);
+    let tolerance = projection.metres(instance.transform.translation) * lod_error / scale.max(1e-12);
     for part in &frame.models[instance.model as usize].parts {
         let mesh = &meshes[part.mesh as usize];
         let level = mesh.level_within(tolerance);

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use std::f32::consts::PI;
 
 /// Cells along the longest side of the volume.
-const CELLS: f32 = 28.0;
+const CELLS: f32 = 24.0;
 /// Share of leaf area that a ray meets: the projection of a spherical leaf angle distribution.
 const PROJECTION: f32 = 0.5;
 
@@ -36,6 +36,8 @@ pub(super) struct Canopy {
     size: f32,
     counts: [usize; 3],
     cells: Vec<Cell>,
+    /// Share of light that passes each cell straight.
+    passed: Vec<f32>,
     /// Light from all sides but the sun's straight beam.
     ambient: Vec<Ambient>,
 }
@@ -50,6 +52,8 @@ impl Canopy {
     ) -> Option<Self> {
         let mut canopy = Self::around(frame)?;
         canopy.fill(frame, meshes, textures);
+        let depth = PROJECTION * canopy.size;
+        canopy.passed = canopy.cells.iter().map(|cell| expf(-depth * cell.density)).collect();
         let dark = vec![Ambient::default(); canopy.cells.len()];
         let first = canopy.gather(frame, atmosphere, &dark);
         canopy.ambient = canopy.gather(frame, atmosphere, &first);
@@ -65,7 +69,7 @@ impl Canopy {
         let counts = ((high - low) / size).map(|cells| cells.ceil() as usize + 3);
         let counts = [counts.x, counts.y, counts.z];
         let cells = vec![Cell::default(); counts.iter().product()];
-        Some(Self { low, size, counts, cells, ambient: Vec::new() })
+        Some(Self { low, size, counts, cells, passed: Vec::new(), ambient: Vec::new() })
     }
 
     fn fill(&mut self, frame: &Frame, meshes: &[ClusteredMesh], textures: &[MipMap]) {
@@ -193,9 +197,8 @@ impl Canopy {
             if point.y < 0.0 {
                 break;
             }
-            let density = self.cells[index].density;
-            if density > 0.0 {
-                let passed = expf(-PROJECTION * density * self.size);
+            let passed = self.passed[index];
+            if passed < 1.0 {
                 let met = clear * (1.0 - passed);
                 for k in 0..3 {
                     light[k] += met * sent[index][k];

@@ -40,6 +40,9 @@ use shadow::ShadowMap;
 use texture::MipMap;
 use tone::Tone;
 
+/// Error in pixels that a coarser level of a mesh may make where it stands.
+const LOD_ERROR: f32 = 0.3;
+
 /// Everything the tiles read: made once a frame.
 struct Prepared<'a> {
     frame: &'a Frame,
@@ -68,7 +71,14 @@ pub fn draw(frame: &Frame) -> (Picture, Figures) {
     let cover = frame.ground.iter().flat_map(|ground| &ground.cover);
     let instances: Vec<Instance> = frame.instances.iter().chain(cover).copied().collect();
     let prepared = Prepared { frame, instances, meshes, textures, atmosphere, canopy, shadow, projection, tone };
-    let bins = Bins::new(frame, &prepared.instances, &prepared.meshes, &prepared.projection, view.width, view.height);
+    let bins = Bins::new(
+        frame,
+        &prepared.instances,
+        &prepared.meshes,
+        &prepared.projection,
+        [view.width, view.height],
+        LOD_ERROR,
+    );
     let rows: Vec<Vec<tile::Pixels>> = match view.samples {
         1 => draw_rows::<1>(&prepared, &bins),
         4 => draw_rows::<4>(&prepared, &bins),
@@ -114,7 +124,10 @@ fn figures(prepared: &Prepared, squared_error: f64) -> Figures {
     };
     let triangles: u64 = frame.instances.iter().map(|instance| triangles_of(instance.model)).sum();
     let pixels = u64::from(frame.view.width) * u64::from(frame.view.height);
-    let mut figures = Figures::of(pixels).with("triangles", triangles).with("samples", frame.view.samples);
+    let mut figures = Figures::of(pixels)
+        .with("triangles", triangles)
+        .with("samples", frame.view.samples)
+        .with("lod_error_px", LOD_ERROR);
     figures.error = Some(ErrorFigure {
         metric: "RMSE in linear light before tone mapping, antialiasing".to_owned(),
         value: (squared_error / (3.0 * pixels as f64)).sqrt(),

@@ -11,6 +11,8 @@ use crate::base::vector::{Vec2, Vec3};
 use crate::frame::Frame;
 use rayon::prelude::*;
 
+/// Error in texels that a coarser level of a mesh may make: the penumbra is wider.
+const LOD_ERROR: f32 = 0.8;
 /// Places looked up for one shadow.
 const TAPS: usize = 12;
 /// Radius of the penumbra a metre of distance to what casts the shadow: the sun's angular radius, 0.265 degrees.
@@ -37,7 +39,7 @@ impl ShadowMap {
         }
         let (centre, radius) = bounding_sphere(frame, meshes)?;
         let projection = Projection::parallel(-frame.sun.direction, centre, radius * 1.01, size as u32);
-        let bins = Bins::new(frame, &frame.instances, meshes, &projection, size as u32, size as u32);
+        let bins = Bins::new(frame, &frame.instances, meshes, &projection, [size as u32; 2], LOD_ERROR);
         let rows: Vec<Vec<Nearest<1>>> = (0..bins.rows)
             .into_par_iter()
             .map(|row| (0..bins.columns).map(|column| tile(frame, meshes, &projection, &bins, column, row)).collect())
@@ -66,7 +68,7 @@ impl ShadowMap {
             self.at(Vec2::new(screen.x + x * cosine - y * sine, screen.y + x * sine + y * cosine))
         };
         // A first look finds how far what casts the shadow is; that sets the penumbra of the second.
-        let search = (2.0 * SUN_RADIUS * self.projection.pixels_per_metre).max(1.0);
+        let search = (4.0 * SUN_RADIUS * self.projection.pixels_per_metre).max(1.0);
         let (mut count, mut gap) = (0.0f32, 0.0f32);
         for index in (0..TAPS).step_by(2) {
             let above = tap(index, search) - nearness;
@@ -75,8 +77,10 @@ impl ShadowMap {
                 gap += above;
             }
         }
-        let mean_gap = if count > 0.0 { gap / count } else { 1.0 };
-        let radius = (mean_gap * SUN_RADIUS * self.projection.pixels_per_metre).clamp(0.7, 40.0);
+        if count == 0.0 {
+            return 1.0;
+        }
+        let radius = (gap / count * SUN_RADIUS * self.projection.pixels_per_metre).clamp(0.7, 40.0);
         let lit = (0..TAPS).filter(|&index| tap(index, radius) <= nearness).count();
         lit as f32 / TAPS as f32
     }

@@ -129,6 +129,11 @@ fn resolve<const S: usize>(
 /// Gathers the samples of a pixel by what they show: a cluster is shaded once, at the middle of its samples.
 fn collect<const S: usize>(groups: &mut Vec<Group>, owners: &[u32; S], seen: &[Seen], offsets: &[[f32; 2]; S]) {
     groups.clear();
+    if owners.iter().all(|owner| *owner == owners[0]) {
+        let (x, y) = offsets.iter().fold((0.0, 0.0), |(x, y), offset| (x + offset[0], y + offset[1]));
+        groups.push(Group { key: 0, owner: owners[0], samples: S as u32, x, y });
+        return;
+    }
     for (owner, offset) in owners.iter().zip(offsets) {
         let key = if *owner >= GROUND { *owner } else { seen[*owner as usize].item };
         match groups.iter_mut().find(|group| group.key == key) {
