@@ -175,14 +175,14 @@ fn plan_leaves(
         for stage in ["leaf", "deform", "colour"] {
             plan.leave(stage, Reason::NoLeafLeft);
         }
-    } else {
-        plan.job("leaf", "", &["deform", "colour"]);
+        return;
     }
+    plan.job("leaf", "", &["deform", "colour"]);
     let textured = scene.output.png || scene.output.gltf.is_some();
     for (stage, feeds, count) in
         [("deform", "compose", scene.deform.shapes), ("colour", "compose", scene.colour.variants)]
     {
-        if stage == "colour" && !textured && !kept.is_empty() {
+        if stage == "colour" && !textured {
             plan.leave(stage, Reason::NotAskedFor);
             continue;
         }

@@ -5,6 +5,7 @@
 use super::distance;
 use crate::base::blade::{Blade, Vein};
 use crate::base::vector::{DVec2, Vec2};
+use tiny_skia::{FillRule, Mask, PathBuilder, Transform};
 
 /// Orders of veins told apart.
 pub(super) const ORDERS: usize = 3;
@@ -54,28 +55,26 @@ impl Surface {
     }
 }
 
-/// Pixels whose middle lies within the outline, by the even-odd rule, row by row.
+/// Pixels whose middle lies within the outline, by the non-zero rule: where lobes overlap there is leaf.
 fn filled(blade: &Blade, size: usize) -> Vec<bool> {
-    let outline: Vec<Vec2> = blade.outline.iter().map(|&point| blade.mesh.uv(point) * size as f32).collect();
-    let mut inside = vec![false; size * size];
-    let mut crossings = Vec::new();
-    for row in 0..size {
-        let y = row as f32 + 0.5;
-        crossings.clear();
-        for (index, a) in outline.iter().enumerate() {
-            let b = outline[(index + 1) % outline.len()];
-            if (a.y <= y) != (b.y <= y) {
-                crossings.push(a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x));
-            }
-        }
-        crossings.sort_unstable_by(f32::total_cmp);
-        for span in crossings.chunks_exact(2) {
-            let first = (span[0] - 0.5).ceil().clamp(0.0, size as f32) as usize;
-            let end = ((span[1] - 0.5).floor() + 1.0).clamp(0.0, size as f32) as usize;
-            inside[row * size..][first.min(end)..end].fill(true);
+    let mut path = PathBuilder::new();
+    for (index, &point) in blade.outline.iter().enumerate() {
+        let place = blade.mesh.uv(point) * size as f32;
+        if index == 0 {
+            path.move_to(place.x, place.y);
+        } else {
+            path.line_to(place.x, place.y);
         }
     }
-    inside
+    path.close();
+    let mask = Mask::new(size as u32, size as u32);
+    match (path.finish(), mask) {
+        (Some(path), Some(mut mask)) => {
+            mask.fill_path(&path, FillRule::Winding, false, Transform::identity());
+            mask.data().iter().map(|&coverage| coverage > 0).collect()
+        }
+        _ => vec![false; size * size],
+    }
 }
 
 fn vein_distances(blade: &Blade, size: usize, order: usize) -> Vec<f32> {
