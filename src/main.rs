@@ -57,7 +57,7 @@ fn tell_of_arguments(answer: &clap::Error) -> u8 {
         }
         return Fault::Usage.exit_code();
     }
-    print(&answer.render().to_string())
+    print(&answer.render().to_string()).unwrap_or_else(|faults| faults.exit_code())
 }
 
 fn command(command: Command) -> Result<u8, Diagnostics> {
@@ -69,9 +69,9 @@ fn command(command: Command) -> Result<u8, Diagnostics> {
         Command::New(arguments) => new_scene(&arguments),
         Command::Species => {
             let lines: String = species::list().iter().map(|(name, line)| format!("{name:<16} {line}\n")).collect();
-            Ok(print(&lines))
+            print(&lines)
         }
-        Command::Schema => Ok(print(&json(&scene::json_schema())?)),
+        Command::Schema => print(&json(&scene::json_schema())?),
     }
 }
 
@@ -114,7 +114,7 @@ fn plan(arguments: &Plan) -> Result<u8, Diagnostics> {
     use_threads(None)?;
     let (scene, limits) = read(&arguments.scene)?;
     let plan = run::plan(&scene, &Options { limits, ..Options::default() })?;
-    Ok(print(&if arguments.json { json(&plan)? } else { plan.text() }))
+    print(&if arguments.json { json(&plan)? } else { plan.text() })
 }
 
 fn compare_pictures(arguments: &Compare) -> Result<u8, Diagnostics> {
@@ -134,17 +134,21 @@ fn compare_pictures(arguments: &Compare) -> Result<u8, Diagnostics> {
     let comparison = match compare::compare(&a, &b) {
         Ok(comparison) => comparison,
         Err(sizes) => {
-            complain(&format!("{sizes}\n"));
+            if arguments.json {
+                print(&json(&serde_json::json!({ "error": sizes.to_string() }))?)?;
+            } else {
+                complain(&format!("{sizes}\n"));
+            }
             return Ok(1);
         }
     };
     if arguments.json {
-        print(&json(&comparison)?);
+        print(&json(&comparison)?)?;
     } else {
         let compare::Comparison { max_difference, differing_pixels, rmse, flip } = comparison;
         print(&format!(
             "max difference {max_difference}, differing pixels {differing_pixels}, RMSE {rmse:.3e} (linear light), FLIP {flip:.3e}\n"
-        ));
+        ))?;
     }
     Ok(u8::from(comparison.max_difference > arguments.max))
 }
@@ -170,7 +174,7 @@ fn verify(arguments: &Verify) -> Result<u8, Diagnostics> {
     // names of files are not ours and may hold anything
     let line = |fault: &run::verify::Fault| message::shown(&fault.to_string(), 1000) + "\n";
     let faults: String = found.faults.iter().map(line).collect();
-    print(&format!("{faults}{} frame(s), {} file(s), {} fault(s)\n", found.frames, found.files, found.faults.len()));
+    print(&format!("{faults}{} frame(s), {} file(s), {} fault(s)\n", found.frames, found.files, found.faults.len()))?;
     Ok(u8::from(!found.faults.is_empty()))
 }
 
@@ -192,7 +196,7 @@ fn new_scene(arguments: &New) -> Result<u8, Diagnostics> {
     std::fs::create_dir_all(folder).map_err(|error| failed(&error))?;
     let text = scene::starter(&arguments.species);
     run::files::write(&file, text.as_bytes()).map_err(|error| failed(&error))?;
-    Ok(print(&format!("{}\n", message::shown(&file.to_string_lossy(), 1000))))
+    print(&format!("{}\n", message::shown(&file.to_string_lossy(), 1000)))
 }
 
 /// Reads a scene with its arguments and prints its warnings.
@@ -220,11 +224,16 @@ fn json(value: &impl serde::Serialize) -> Result<String, Diagnostics> {
         .map_err(|error| Diagnostic::error(Fault::Bug, format!("no JSON can be made of it: {error}"), "").into())
 }
 
-/// Prints what was asked for; a reader that has gone away is no fault.
-fn print(text: &str) -> u8 {
+/// Prints what was asked for; a reader that has gone away is no fault, a full disk is.
+fn print(text: &str) -> Result<u8, Diagnostics> {
     let mut out = std::io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
-    0
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            let what = format!("cannot write to the standard output: {error}");
+            Err(Diagnostic::error(Fault::Output, what, "free space, or write elsewhere").into())
+        }
+        _ => Ok(0),
+    }
 }
 
 /// Prints what the person should know.

@@ -28,6 +28,8 @@ pub enum Reason {
     SameAs(i64),
     /// It would change nothing.
     NoEffect,
+    /// It was made before, and its files are whole.
+    AlreadyDone,
 }
 
 impl fmt::Display for Reason {
@@ -39,6 +41,7 @@ impl fmt::Display for Reason {
             Self::NoLeafLeft => write!(f, "every leaf has fallen"),
             Self::SameAs(frame) => write!(f, "same as frame {frame}"),
             Self::NoEffect => write!(f, "it would change nothing"),
+            Self::AlreadyDone => write!(f, "made before"),
         }
     }
 }
@@ -115,8 +118,13 @@ pub fn garments(scene: &Scene, leaf_ids: &[u64], states: &LeafStates) -> Vec<Opt
 /// Whether a leaf in this state shows no leaf on the tree.
 #[must_use]
 pub fn is_off_the_tree(state: &str) -> bool {
-    matches!(state, "fallen" | "bud")
+    state == FALLEN || state == BUD
 }
+
+/// Name of the state of a leaf that has fallen.
+pub const FALLEN: &str = "fallen";
+/// Name of the state of a leaf that is still in its bud.
+pub const BUD: &str = "bud";
 
 /// Number of garments of each state: shapes and textures vary together, so that a model is one of each.
 #[must_use]
@@ -130,6 +138,12 @@ pub fn variants(scene: &Scene) -> u32 {
 pub fn plan(scene: &Scene, states: &[String], reachable: &[bool], counted: &[Counted], leave_out: bool) -> Plan {
     let mut plan = Plan::default();
     plan.job("tree", "", &["season", "compose"]);
+    if counted.is_empty() {
+        for stage in ["leaf", "deform", "colour", "compose", "raster", "png", "gltf"] {
+            plan.leave(stage, Reason::AlreadyDone);
+        }
+        return plan;
+    }
     plan_leaves(&mut plan, scene, states, reachable, counted, leave_out);
     plan_outputs(&mut plan, scene);
     plan_frames(&mut plan, counted, leave_out);

@@ -79,16 +79,7 @@ pub struct Report {
 impl Report {
     /// Adds a run of a stage.
     pub fn add(&mut self, name: &str, seconds: f64, figures: Figures) {
-        let place = self.stages.iter().position(|stage| stage.name == name);
-        let place = place.unwrap_or_else(|| {
-            let rank = |name: &str| STAGES.iter().position(|stage| *stage == name);
-            let at = self.stages.partition_point(|stage| rank(&stage.name) < rank(name));
-            let figures = BTreeMap::new();
-            let stage = StageReport { name: name.to_owned(), runs: 0, seconds: 0.0, items: 0, error: None, figures };
-            self.stages.insert(at, stage);
-            at
-        });
-        let stage = &mut self.stages[place];
+        let stage = self.stage(name);
         stage.runs += 1;
         stage.seconds += seconds;
         stage.items += figures.items;
@@ -103,6 +94,24 @@ impl Report {
             let summed = before.zip(value.as_f64()).map(|(a, b)| Value::from(a + b));
             stage.figures.insert(key, summed.unwrap_or(value));
         }
+    }
+
+    /// Adds time that a stage takes beside its runs: counting ahead, preparing what all frames share.
+    pub fn spend(&mut self, name: &str, seconds: f64) {
+        self.stage(name).seconds += seconds;
+    }
+
+    fn stage(&mut self, name: &str) -> &mut StageReport {
+        let place = self.stages.iter().position(|stage| stage.name == name);
+        let place = place.unwrap_or_else(|| {
+            let rank = |name: &str| STAGES.iter().position(|stage| *stage == name);
+            let at = self.stages.partition_point(|stage| rank(&stage.name) < rank(name));
+            let figures = BTreeMap::new();
+            let stage = StageReport { name: name.to_owned(), runs: 0, seconds: 0.0, items: 0, error: None, figures };
+            self.stages.insert(at, stage);
+            at
+        });
+        &mut self.stages[place]
     }
 
     /// A stage's figure; `None` when the stage did not run or has none of that name.

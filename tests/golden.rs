@@ -29,7 +29,7 @@ const PLANS: &[(&str, &str)] = &[
     ("film", "frames that equal another"),
 ];
 
-const LARGEST_PICTURE: u64 = 60 * 1024;
+const LARGEST_PICTURE: u64 = 22 * 1024; // grass is noise to an encoder: 120 x 120 pixels of it take 20 KiB
 const LARGEST_FOLDER: u64 = 4 << 20;
 
 fn root() -> PathBuf {
@@ -85,6 +85,7 @@ fn picture_fault(name: &str) -> Option<String> {
     let golden = root().join("golden").join(format!("{name}.png"));
     let actual = rendered(name);
     let shown = root().join("target/golden").join(format!("{name}.png"));
+    let _ = fs::remove_file(root().join("target/golden").join(format!("{name}.strip.png")));
     write_png(&shown, &actual);
     if blessed(name) {
         write_png(&golden, &actual);
@@ -116,7 +117,9 @@ fn pictures_are_met_exactly() {
         PICTURES.iter().filter_map(|(name, guards)| Some((*name, *guards, picture_fault(name)?))).collect();
     let mut page = String::from("<!doctype html><title>golden pictures</title>\n");
     for (name, guards, fault) in &faults {
-        let _ = writeln!(page, "<h2>{name}</h2><p>{guards}<p>{fault}<p><img src=\"{name}.strip.png\">");
+        let strip = root().join(format!("target/golden/{name}.strip.png"));
+        let shown = if strip.exists() { format!("{name}.strip.png") } else { format!("{name}.png") };
+        let _ = writeln!(page, "<h2>{name}</h2><p>{guards}<p>{fault}<p><img src=\"{shown}\">");
     }
     if !faults.is_empty() {
         fs::write(root().join("target/golden/index.html"), page).expect("written");

@@ -7,6 +7,8 @@ use std::collections::BTreeMap;
 
 /// Side of the inset relative to the picture's height.
 const SIDE: f32 = 0.3;
+/// How far the blade leans back, radians.
+const LEAN: f32 = 0.35;
 /// Field of view of its camera, radians.
 const FIELD_OF_VIEW: f32 = 0.35;
 
@@ -25,7 +27,8 @@ impl Stock {
         let middle = (low + high) * 0.5;
         let radius = (high - low).norm() * 0.5;
         // The blade's upper side (+z) leans a little back from the camera, so that curls cast shadows.
-        let lean = Mat3::new(1.0, 0.0, 0.0, 0.0, 0.94, 0.342, 0.0, -0.342, 0.94);
+        let (sine, cosine) = libm::sincosf(LEAN);
+        let lean = Mat3::new(1.0, 0.0, 0.0, 0.0, cosine, sine, 0.0, -sine, cosine);
         let transform = Affine { linear: lean, translation: Vec3::new(0.0, 1.0, 0.0) - lean * middle };
         let side = ((frame.view.height as f32 * SIDE) as u32).max(1);
         let distance = radius * 1.25 / libm::tanf(FIELD_OF_VIEW * 0.5);
@@ -43,7 +46,8 @@ impl Stock {
                 position: Vec3::new(0.0, 1.0, distance),
                 target: Vec3::new(0.0, 1.0, 0.0),
                 field_of_view: FIELD_OF_VIEW,
-                ..frame.camera
+                near: distance * 0.1,
+                far: distance * 10.0,
             },
             sun,
             sky,

@@ -137,7 +137,7 @@ impl Stock {
             let state = &wardrobe.states[usize::from(garment.state)];
             let name = format!("leaf_{}_{}", state.replace('-', "_"), garment.variant);
             let mesh = self.push_mesh(shape);
-            let material = self.add_leaf_material(&name, state, wardrobe.textures.get(garment));
+            let material = self.add_leaf_material(scene, &name, state, wardrobe.textures.get(garment));
             let mut parts = vec![Part { mesh, material }];
             parts.extend(stalk);
             self.worn.insert(*garment, self.models.len() as u32);
@@ -145,7 +145,7 @@ impl Stock {
         }
     }
 
-    fn add_leaf_material(&mut self, name: &str, state: &str, painted: Option<&Painted>) -> u32 {
+    fn add_leaf_material(&mut self, scene: &Scene, name: &str, state: &str, painted: Option<&Painted>) -> u32 {
         let mut textures = [None, None];
         if let Some(painted) = painted {
             for (slot, (side, pixels)) in
@@ -157,7 +157,7 @@ impl Stock {
             }
         }
         // A dry leaf has lost its cuticle's sheen (judged, after Qiu et al. 2019 for the living one).
-        let dry = state == "brown";
+        let dry = scene.deform.states.get(state).is_some_and(|shape| shape.dryness > 0.8);
         self.push_material(Material {
             name: name.to_owned(),
             colour: [1.0; 3],

@@ -64,8 +64,10 @@ impl Canopy {
         let mut leaves = frame.instances.iter().filter(|i| i.leaf.is_some()).map(|i| i.transform.translation);
         let first = leaves.next()?;
         let (low, high) = leaves.fold((first, first), |(low, high), p| (low.inf(&p), high.sup(&p)));
+        // The volume reaches down to the ground, where the crown's shade falls.
+        let low = Vec3::new(low.x, low.y.min(0.0), low.z);
         let size = ((high - low).max() / CELLS).max(0.05);
-        let low = Vec3::new(low.x, low.y.min(0.0), low.z) - Vec3::repeat(2.0 * size);
+        let low = low - Vec3::repeat(2.0 * size);
         let counts = ((high - low) / size).map(|cells| cells.ceil() as usize + 3);
         let counts = [counts.x, counts.y, counts.z];
         let cells = vec![Cell::default(); counts.iter().product()];
@@ -137,19 +139,24 @@ impl Canopy {
         inside.then(|| self.index([place.x as usize, place.y as usize, place.z as usize]))
     }
 
+    /// The cells that a ray passes, a step of one cell's side after another, until it leaves the volume or meets the ground.
+    fn cells_along(&self, from: Vec3, direction: Vec3) -> impl Iterator<Item = usize> {
+        let longest = self.counts.iter().sum::<usize>();
+        let point = move |step: usize| from + direction * ((step as f32 + 0.5) * self.size);
+        (0..longest).map(point).take_while(|point| point.y >= 0.0).map_while(|point| self.cell_at(point))
+    }
+
     /// Optical depth from a point towards the sun: in all, and of what leaves take out by not letting it through.
     fn sun_depth(&self, from: Vec3, sun: Vec3) -> (f32, [f32; 3]) {
         let mut depth = 0.0;
         let mut coloured = [0.0f32; 3];
-        let mut point = from + sun * (0.5 * self.size);
-        while let Some(index) = self.cell_at(point) {
+        for index in self.cells_along(from, sun) {
             let cell = &self.cells[index];
             let step = PROJECTION * cell.density * self.size;
             depth += step;
             for k in 0..3 {
                 coloured[k] += step * (1.0 - cell.transmission[k]);
             }
-            point += sun * self.size;
         }
         (depth, coloured)
     }
@@ -192,11 +199,7 @@ impl Canopy {
     fn along(&self, from: Vec3, direction: Vec3, atmosphere: &Atmosphere, sent: &[[f32; 3]]) -> [f32; 3] {
         let mut clear = 1.0f32;
         let mut light = [0.0f32; 3];
-        let mut point = from + direction * (0.5 * self.size);
-        while let Some(index) = self.cell_at(point) {
-            if point.y < 0.0 {
-                break;
-            }
+        for index in self.cells_along(from, direction) {
             let passed = self.passed[index];
             if passed < 1.0 {
                 let met = clear * (1.0 - passed);
@@ -208,7 +211,6 @@ impl Canopy {
                     return light;
                 }
             }
-            point += direction * self.size;
         }
         let beyond = atmosphere.radiance(direction);
         std::array::from_fn(|k| light[k] + clear * beyond[k])

@@ -3,8 +3,9 @@
 
 use crate::base::vector::Vec3;
 
-/// Pixels from the upper left corner beyond which triangles are cut.
-pub(super) const GUARD: f32 = 30_000.0;
+/// Pixels from the upper left corner beyond which triangles are cut: wider than any picture, and small enough that the
+/// products of fixed-point coordinates stay far below 2^63.
+const GUARD: f32 = 2_000_000.0;
 
 /// The signed distances of a mapped point (x w, y w, w) that must not be negative: between the near and the far plane,
 /// inside the guard band on four sides.

@@ -32,7 +32,7 @@ const COARSER: [usize; 4] = [160, 72, 32, 14];
 pub(super) struct Level {
     /// The clusters, in the order of the triangles.
     pub clusters: Vec<Cluster>,
-    /// Distance from the full mesh, metres.
+    /// Distance from the full mesh, metres: the largest root mean square over the triangles that met where one was removed.
     pub error: f32,
 }
 
@@ -77,7 +77,7 @@ impl ClusteredMesh {
         &self.levels[0].clusters
     }
 
-    /// The number of the coarsest level that is nowhere more than `tolerance` metres from the full mesh.
+    /// The number of the coarsest level whose error is at most `tolerance` metres.
     pub(super) fn level_within(&self, tolerance: f32) -> usize {
         self.levels.iter().rposition(|level| level.error <= tolerance).unwrap_or(0)
     }

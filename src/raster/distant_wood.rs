@@ -29,7 +29,8 @@ pub(super) fn met(ground: &Ground, direction: Vec3, pixel: f32) -> (f32, [f32; 3
     if ground.wood <= 0.0 || height > ground.wood * 1.6 {
         return (0.0, [0.0; 3]);
     }
-    let around = (atan2f(direction.x, direction.z) / (2.0 * PI) + 0.5) * CROWNS_AROUND;
+    // The noise has no period; its seam lies behind the default camera, which looks along -z.
+    let around = (atan2f(-direction.x, -direction.z) / (2.0 * PI) + 0.5) * CROWNS_AROUND;
     let hill = noise(around * 0.05, 0.5, 11);
     let outline = [(1.0, 0.30), (2.3, 0.26), (5.1, 0.20), (12.0, 0.14), (27.0, 0.10)];
     let crowns: f32 =

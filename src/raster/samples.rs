@@ -30,8 +30,7 @@ mod tests {
 
     fn each_row_and_column_holds_one<const S: usize>() {
         let step = SUBPIXEL / 16;
-        let cells = if S == 8 { 8 } else { S as i32 };
-        let size = 16 / cells * step;
+        let size = 16 / S as i32 * step;
         for axis in 0..2 {
             let mut slots: Vec<i32> = pattern::<S>().iter().map(|p| p[axis].div_euclid(size)).collect();
             slots.sort_unstable();
@@ -44,6 +43,7 @@ mod tests {
     fn patterns_are_stratified_on_both_axes() {
         each_row_and_column_holds_one::<1>();
         each_row_and_column_holds_one::<4>();
+        each_row_and_column_holds_one::<8>();
         each_row_and_column_holds_one::<16>();
     }
 

@@ -124,8 +124,6 @@ pub(super) fn ground(prepared: &Prepared, at: [f32; 2]) -> [f32; 3] {
     let ray = prepared.projection.ray(at[0], at[1]);
     let eye = prepared.projection.eye;
     let distance = eye.y / (-ray.y).max(1e-6);
-    // The meadow ends at the wood on the horizon.
-    let distance = if ground.wood > 0.0 { distance.min(WOOD_DISTANCE) } else { distance };
     let position = eye + ray * distance;
     let pixel = distance / prepared.projection.pixels_per_metre;
     let texture = &prepared.textures[ground.texture as usize];
@@ -139,12 +137,14 @@ pub(super) fn ground(prepared: &Prepared, at: [f32; 2]) -> [f32; 3] {
     let broad = texture.sample(turned / 7.3, footprint / 7.3);
     let mean = texture.mean();
     let albedo: [f32; 3] = std::array::from_fn(|k| detail[k] * mix(1.0, broad[k] / mean[k].max(1e-4), 0.55));
-    let salt = hash(at[0].to_bits().into(), at[1].to_bits().into());
+    let salt = hash(at[0] as u64, at[1] as u64);
     let sun = prepared.sun(position, Vec3::y(), salt);
     let height = prepared.frame.sun.direction.y.max(0.0);
     let ambient = prepared.ambient(position).irradiance(Vec3::y());
     let lit: [f32; 3] = std::array::from_fn(|k| albedo[k] * (sun[k] * height + ambient[k]) / PI);
-    prepared.atmosphere.hazed(lit, distance)
+    // The meadow ends at the wood on the horizon, so no more haze lies before it.
+    let hazy = if ground.wood > 0.0 { distance.min(WOOD_DISTANCE.max(eye.y * 4.0)) } else { distance };
+    prepared.atmosphere.hazed(lit, hazy)
 }
 
 /// Finds the point of a triangle behind a point of the picture, by homogeneous barycentric coordinates (Olano and Greer
@@ -179,7 +179,7 @@ fn point(prepared: &Prepared, item: &Item, triangle: u16, at: [f32; 2]) -> Point
     let footprint = distance / prepared.projection.pixels_per_metre * clustered.uv_per_metre / (scale * slant.sqrt());
     let [p, q, r] = numbers.map(|v| mesh.uvs[v]);
     let uv = p * weights[0] + q * weights[1] + r * weights[2];
-    let salt = hash(hash(item.instance.into(), at[0].to_bits().into()), at[1].to_bits().into());
+    let salt = hash(item.instance.into(), (at[0] as u64) << 32 | at[1] as u64);
     Point { position, normal, behind, uv, footprint, to_eye, salt }
 }
 

@@ -86,8 +86,8 @@ impl ShadowMap {
     }
 
     fn at(&self, place: Vec2) -> f32 {
-        let last = self.size as f32 - 1.0;
-        if !(0.0..=last).contains(&place.x) || !(0.0..=last).contains(&place.y) {
+        let end = self.size as f32;
+        if !(0.0..end).contains(&place.x) || !(0.0..end).contains(&place.y) {
             return f32::MIN;
         }
         self.nearness[place.y as usize * self.size + place.x as usize]

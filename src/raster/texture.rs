@@ -68,6 +68,8 @@ impl Level {
     }
 
     fn bilinear(&self, uv: Vec2, repeat: bool) -> [f32; 3] {
+        // Into one repeat first: a long branch counts thousands of them, and texels would lose their fractions.
+        let uv = uv.map(|c| if repeat { c - c.floor() } else { c.clamp(0.0, 1.0) });
         let x = uv.x * self.width as f32 - 0.5;
         let y = uv.y * self.height as f32 - 0.5;
         let (x0, y0) = (x.floor(), y.floor());

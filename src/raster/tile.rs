@@ -18,7 +18,7 @@ const GROUND: u32 = u32::MAX - 1;
 pub(super) struct Pixels {
     /// Encoded colours, row by row.
     pub colours: Vec<[u8; 3]>,
-    /// Estimated squared antialiasing error, summed over pixels and channels.
+    /// Estimated squared antialiasing error, summed over pixels and channels; 0 with one sample, whose spread is unknown.
     pub squared_error: f64,
 }
 
@@ -117,9 +117,11 @@ fn resolve<const S: usize>(
         }
         let count = S as f32;
         let mean = sum.map(|s| s / count);
-        for k in 0..3 {
-            let variance = (squares[k] / count - mean[k] * mean[k]).max(0.0);
-            pixels.squared_error += f64::from(variance / count);
+        if S > 1 {
+            for k in 0..3 {
+                let spread = (squares[k] - mean[k] * mean[k] * count).max(0.0);
+                pixels.squared_error += f64::from(spread / ((count - 1.0) * count));
+            }
         }
         pixels.colours[place] = prepared.tone.encode(mean);
     }

@@ -40,8 +40,8 @@ pub fn tree(scene: &Scene, error: &TreeError) -> Diagnostics {
             complaint.within = Some(within.clone());
             scene::diagnostic(&scene.places, "tree", complaint).1.into()
         }
-        TreeError::Length { .. } => {
-            Diagnostic::error(Fault::Scene, error.to_string(), "check the arguments of F in tree.rules")
+        TreeError::Length { .. } | TreeError::Width { .. } | TreeError::Leaf { .. } | TreeError::Far => {
+            Diagnostic::error(Fault::Scene, error.to_string(), "check the arguments of F, ! and L in the tree's rules")
                 .at(scene.place("tree.rules"))
                 .into()
         }

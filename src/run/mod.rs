@@ -23,7 +23,7 @@ use crate::base::picture::Picture;
 use crate::compose::{Garment, Stock};
 use crate::export;
 use crate::frame::Frame;
-use crate::plan::{self, Plan, PlannedFrame};
+use crate::plan::{self, LeftOut, Plan, PlannedFrame, Reason};
 use crate::raster;
 use crate::report::{FrameReport, Report};
 use crate::scene::{Scene, output::Gltf};
@@ -128,6 +128,9 @@ pub fn render(
     let prepared =
         preparation::prepare(scene, &to_do, &options.limits, options.leave_out, &|| signals.came(), &mut report)?;
     report.left_out.clone_from(&prepared.plan.left_out);
+    report.left_out.extend(
+        kept.iter().map(|frame| LeftOut { what: format!("raster frame {frame}"), reason: Reason::AlreadyDone }),
+    );
     let mut run = Run { scene, options, prepared, names, report, states_text: states_file::HEADER.to_owned() };
     for frame in kept {
         run.count_kept(frame);
@@ -228,7 +231,7 @@ impl Run<'_> {
         let stock = self.prepared.plan.has("compose").then(|| {
             let start = Instant::now();
             let stock = Stock::new(self.scene, &self.prepared.tree, &wardrobe);
-            self.report.add("compose", start.elapsed().as_secs_f64(), Figures::default());
+            self.report.spend("compose", start.elapsed().as_secs_f64());
             stock
         });
         self.make_folder()?;
@@ -377,7 +380,7 @@ impl Run<'_> {
                 frame.states.insert(name.clone(), count);
                 frame.expected.insert(name.clone(), states.expected[number]);
             }
-            frame.fallen = frame.states.get("fallen").copied().unwrap_or(0);
+            frame.fallen = frame.states.get(plan::FALLEN).copied().unwrap_or(0);
             if self.options.states.is_some() {
                 states_file::append(&mut self.states_text, index, day, &self.prepared.leaf_ids, states);
             }

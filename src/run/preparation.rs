@@ -14,6 +14,7 @@ use crate::scene::output::Gltf;
 use crate::season::{self, LeafStates};
 use crate::tree::{self, Tree};
 use std::collections::BTreeSet;
+use std::time::Instant;
 
 /// A scene whose tree has grown and whose leaves are counted.
 pub struct Prepared {
@@ -67,7 +68,9 @@ fn count(scene: &Scene, leaf_ids: &[u64], has_season: bool, index: i64, report: 
     if !has_season {
         return Counted { index, day, ..Counted::default() };
     }
-    let states = assigned(scene, leaf_ids, index, report);
+    let start = Instant::now();
+    let states = season::assign(&scene.season, &scene.climate, scene.seed, leaf_ids, day).0;
+    report.spend("season", start.elapsed().as_secs_f64());
     let garments = plan::garments(scene, leaf_ids, &states);
     let mark =
         |garment: &Option<Garment>| garment.map_or(u64::MAX, |g| u64::from(g.state) << 32 | u64::from(g.variant));

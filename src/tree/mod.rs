@@ -140,6 +140,21 @@ pub enum TreeError {
         /// The length asked for, metres.
         metres: f64,
     },
+    /// `!` had a negative or absurd diameter.
+    #[error("!({centimetres}) cannot be drawn: diameters are 0 to 10000 cm")]
+    Width {
+        /// The diameter asked for, centimetres.
+        centimetres: f64,
+    },
+    /// `L` had a negative or absurd size.
+    #[error("L({scale}) cannot be drawn: leaves are 0 to 1000 times the mean")]
+    Leaf {
+        /// The size asked for.
+        scale: f64,
+    },
+    /// The wood leaves the world.
+    #[error("the tree grows more than 100 km from its root")]
+    Far,
     /// A limit refused it.
     #[error(transparent)]
     Refused(#[from] Refusal),

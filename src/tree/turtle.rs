@@ -11,6 +11,15 @@ use super::skeleton::{Segment, Shoot, Skeleton};
 use crate::base::maths::{atan2, sincos};
 use crate::base::vector::{DVec3, rotated};
 
+/// Longest segment, metres.
+const LONGEST: f64 = 1e4;
+/// Farthest that wood may stand from the root on any axis, metres.
+const FARTHEST: f64 = 1e5;
+/// Thickest wood, centimetres.
+const THICKEST: f64 = 1e4;
+/// Largest leaf, in mean leaves of its species.
+const LARGEST_LEAF: f64 = 1e3;
+
 /// What the turtle drew.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Drawing {
@@ -106,9 +115,18 @@ pub(super) fn draw(modules: &Modules, angle: f64, tropism: f64) -> Result<Drawin
             b'F' => {
                 let birth = (modules.ids[module], modules.births[module]);
                 draw_segment(&mut drawing, &mut state, &mut axes, argument.unwrap_or(1.0), birth, tropism)?;
+                if state.position.amax() > FARTHEST {
+                    return Err(TreeError::Far);
+                }
             }
             b'f' => state.position += state.heading * argument.unwrap_or(1.0),
-            b'L' => drawing.shoots.push(shoot(&state, modules.ids[module], argument.unwrap_or(1.0))),
+            b'L' => {
+                let scale = argument.unwrap_or(1.0);
+                if !(0.0..=LARGEST_LEAF).contains(&scale) {
+                    return Err(TreeError::Leaf { scale });
+                }
+                drawing.shoots.push(shoot(&state, modules.ids[module], scale));
+            }
             b'+' => state.yaw(radians),
             b'-' => state.yaw(-radians),
             b'&' => state.pitch(radians),
@@ -118,8 +136,12 @@ pub(super) fn draw(modules: &Modules, angle: f64, tropism: f64) -> Result<Drawin
             b'|' => state.yaw(std::f64::consts::PI),
             b'$' => state.level(),
             b'!' => {
+                let centimetres = argument.unwrap_or(0.0);
+                if !(0.0..=THICKEST).contains(&centimetres) {
+                    return Err(TreeError::Width { centimetres });
+                }
                 drawing.widths = true;
-                state.radius = (argument.unwrap_or(0.0) * 0.005).max(0.0);
+                state.radius = centimetres * 0.005;
             }
             b'[' => {
                 saved.push(state.clone());
@@ -141,7 +163,7 @@ fn draw_segment(
     (id, birth): (u64, u32),
     tropism: f64,
 ) -> Result<(), TreeError> {
-    if !(0.0..=1e4).contains(&length) {
+    if !(0.0..=LONGEST).contains(&length) {
         return Err(TreeError::Length { metres: length });
     }
     if length == 0.0 {
