@@ -185,14 +185,17 @@ fn a_starter_scene_plans_and_its_plan_is_json() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn full_and_closed_streams_are_no_fault() {
+fn closed_streams_are_no_fault_and_full_ones_are_told() {
     let folder = folder(SCENE);
     let full = || Stdio::from(fs::OpenOptions::new().write(true).open("/dev/full").unwrap());
-    for arguments in
-        [&["schema"][..], &["--help"], &["plan", "scene.toml"], &["render", "scene.toml", "--progress", "json"]]
-    {
+    for (arguments, told) in [
+        (&["schema"][..], 5),
+        (&["--help"], 5),
+        (&["plan", "scene.toml"], 5),
+        (&["render", "scene.toml", "--progress", "json"], 0),
+    ] {
         let status = command(folder.path()).args(arguments).stdout(full()).stderr(full()).status().unwrap();
-        assert_eq!(status.code(), Some(0), "{arguments:?}");
+        assert_eq!(status.code(), Some(told), "{arguments:?}");
         let line = format!("exec \"$0\" {} >&- 2>&-", arguments.join(" "));
         let mut shell = Command::new("sh");
         shell.args(["-c", &line, env!("CARGO_BIN_EXE_leafseason")]).current_dir(folder.path());

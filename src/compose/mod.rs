@@ -135,7 +135,7 @@ impl Stock {
         });
         for (garment, shape) in &wardrobe.shapes {
             let state = &wardrobe.states[usize::from(garment.state)];
-            let name = format!("leaf_{}_{}", state.replace('-', "_"), garment.variant);
+            let name = format!("leaf_{}_{}", model_name(state, garment.state), garment.variant);
             let mesh = self.push_mesh(shape);
             let material = self.add_leaf_material(scene, &name, state, wardrobe.textures.get(garment));
             let mut parts = vec![Part { mesh, material }];
@@ -209,6 +209,12 @@ impl Stock {
         let linear: Mat3 = (rotation * site.scale).cast::<f32>();
         Affine { linear, translation: site.base.cast::<f32>() - linear * self.petiole_base }
     }
+}
+
+/// A state's name as models may bear it; a name with other characters than the built-in ones have gives way to its number.
+fn model_name(state: &str, number: u16) -> String {
+    let plain = state.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-');
+    if plain { state.replace('-', "_") } else { format!("state{number}") }
 }
 
 fn wood(name: &str, colour: [f32; 3]) -> Material {

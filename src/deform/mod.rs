@@ -99,6 +99,14 @@ pub enum DeformError {
         /// When, in steps.
         step: u64,
     },
+    /// The strain bound of equation (2) could not be held.
+    #[error("springs stretch by {strain:.3} although deform.strain_limit is {limit}: deform.force is too large")]
+    Stretched {
+        /// The largest strain of any spring.
+        strain: f64,
+        /// The bound asked for.
+        limit: f64,
+    },
     /// A limit refused it.
     #[error(transparent)]
     Refused(#[from] Refusal),
@@ -117,6 +125,9 @@ pub fn check(settings: &Settings) -> Vec<Complaint> {
     };
     step.map(complaint).into_iter().collect()
 }
+
+/// Strain beyond the bound at which the leaf is refused: twice what the projection aims to hold.
+const STRETCHED: f64 = 2.0 * projection::SLACK;
 
 /// What one run of a variant gives: its snapshots by step, and the worst strain.
 struct Run {
@@ -153,6 +164,11 @@ pub fn deform(
         })
         .collect::<Result<_, _>>()?;
     let runs: BTreeMap<u32, Run> = runs.into_iter().collect();
+    let strain = runs.values().map(|run| run.max_strain).fold(0.0, f64::max);
+    let limit = settings.strain_limit;
+    if strain > limit + STRETCHED {
+        return Err(DeformError::Stretched { strain, limit });
+    }
     let shapes = jobs.iter().map(|job| shape(mesh, &runs[&job.variant].snapshots[&moment(job)])).collect();
     Ok((shapes, figures(settings, jobs.len(), &runs, step)))
 }

@@ -81,7 +81,9 @@ pub fn leaf(scene: &Scene, error: &LeafError) -> Diagnostics {
 pub fn deform(scene: &Scene, error: &DeformError) -> Diagnostics {
     let (key, help) = match error {
         DeformError::Unstable { .. } => ("deform.step", "leave deform.step out to have a stable one chosen"),
-        DeformError::Diverged { .. } => ("deform.force", "lower deform.force or raise deform.stiffness"),
+        DeformError::Diverged { .. } | DeformError::Stretched { .. } => {
+            ("deform.force", "lower deform.force or raise deform.stiffness")
+        }
         DeformError::Refused(refusal) => return refused(scene, "deform.steps", refusal),
     };
     Diagnostic::error(Fault::Scene, error.to_string(), help).at(scene.place(key)).into()

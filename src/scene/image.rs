@@ -7,9 +7,9 @@ settings! {
     /// The picture. Width times height is bounded by the limit `pixels`.
     pub struct Image {
         /// Pixels in a row.
-        width: u32 = 1920, unit "px", range 1 => 65536;
+        width: u32 = 1920, unit "px", range 1 => 1000000;
         /// Rows.
-        height: u32 = 1080, unit "px", range 1 => 65536;
+        height: u32 = 1080, unit "px", range 1 => 1000000;
         /// Samples in each pixel: 1, 4, 8 or 16.
         samples: u32 = 8, range 1 => 16;
     }
