@@ -111,7 +111,14 @@ fn limits_refuse_with_the_flag_that_raises_them() {
     let bomb = ["--set", "tree.rules=[\"F -> FFF\"]", "--set", "tree.axiom=F", "--set", "tree.iterations=50"];
     refuse(&bomb, "tree.rules needs 717897987691852");
     // 2^22 pieces of wood would be a few gigabytes, although the string is short enough
-    let wood = ["--set", "tree.rules=[\"F -> F+F\"]", "--set", "tree.axiom=F", "--set", "tree.iterations=22"];
+    let wood = [
+        "--set",
+        "tree.rules=[\"F(l) -> F(l)+F(l)\"]",
+        "--set",
+        "tree.axiom=\"F(0.01)\"",
+        "--set",
+        "tree.iterations=22",
+    ];
     refuse(&[&wood[..], &["--memory-limit", "1G"]].concat(), "bytes of memory, the limit is 1000000000");
 }
 

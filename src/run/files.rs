@@ -43,7 +43,8 @@ pub enum WriteError {
     },
 }
 
-/// Writes a file whole. A link at the final name is replaced, not followed.
+/// Writes a file whole. A link at the final name is replaced, not followed; a device or a pipe that stands there is written
+/// to, never replaced.
 ///
 /// # Errors
 /// [`WriteError`]; the temporary is removed and the final name is as it was.
@@ -51,6 +52,10 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     check(path)?;
     let folder = folder_of(path);
     let failed = |source| WriteError::System { path: path.to_owned(), source };
+    if fs::symlink_metadata(path).is_ok_and(|found| !found.is_file() && !found.is_symlink()) {
+        let device = OpenOptions::new().write(true).open(path);
+        return device.and_then(|mut device| device.write_all(bytes)).map_err(failed);
+    }
     let (temporary, file) = open_temporary(folder).map_err(failed)?;
     let written = fill(file, bytes).and_then(|()| fs::rename(&temporary, path));
     if let Err(source) = written {
@@ -210,6 +215,16 @@ mod tests {
             fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
         names.sort();
         names
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_file_is_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("socket");
+        let _socket = std::os::unix::net::UnixListener::bind(&path).unwrap();
+        assert!(write(&path, b"gone").is_err(), "a socket cannot be opened for writing");
+        assert!(!fs::symlink_metadata(&path).unwrap().is_file());
     }
 
     #[test]
