@@ -1,10 +1,10 @@
 //! The rasteriser: a [`Frame`] -> pixels, on the processor.
 //!
-//! 1. [`canopy`] sums the leaves into a coarse volume and gathers the light inside the crown from it;
-//! 2. [`shadow`] draws the sun's view into a depth map;
-//! 3. [`bins`] sorts clusters of triangles into tiles of the picture, nearest first;
-//! 4. [`tile`] finds, sample by sample, which triangle is seen, with the depths of 8 x 8 blocks to reject what is hidden;
-//! 5. [`shade`] lights what is seen, once a pixel and cluster; [`tone`] averages and encodes.
+//! 1. `canopy` sums the leaves into a coarse volume and gathers the light inside the crown from it;
+//! 2. `shadow` draws the sun's view into a depth map;
+//! 3. `bins` sorts clusters of triangles into tiles of the picture, nearest first;
+//! 4. `tile` finds, sample by sample, which triangle is seen, with the depths of 8 x 8 blocks to reject what is hidden;
+//! 5. `shade` lights what is seen, once a pixel and cluster; `tone` averages and encodes.
 //!
 //! Not a ray tracer: reflections, caustics and depth of field are not drawn. Tiles run in parallel and do not share
 //! anything that is written, so the bytes do not depend on the number of threads. Coverage is decided in fixed point
