@@ -28,6 +28,8 @@ pub enum Command {
     Verify(Verify),
     /// Writes a commented starter scene.
     New(New),
+    /// Measures what the program makes against what is known, prints a table and writes it as CSV; exits with 1 if a line fails.
+    Study(Study),
     /// Lists the built-in species.
     Species,
     /// Prints the JSON Schema of the scene file, for editors.
@@ -120,6 +122,35 @@ pub struct Compare {
 pub struct Verify {
     /// The folder of frames and manifests.
     pub folder: PathBuf,
+}
+
+/// `leafseason study`.
+#[derive(Args, Clone, Debug)]
+pub struct Study {
+    /// A scene whose species is studied; all built-in species without one.
+    pub scene: Option<PathBuf>,
+    /// Overrides a key of the scene; may be repeated.
+    #[arg(long, value_name = "KEY=VALUE", requires = "scene")]
+    pub set: Vec<Override>,
+    /// The folder for the table.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// What is studied.
+    #[arg(long, value_enum, default_value_t)]
+    pub family: Family,
+    /// Leaves the costliest cases out: trees of 10 and 25 years only.
+    #[arg(long)]
+    pub quick: bool,
+}
+
+/// The families of studies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Family {
+    /// The species as trees at 10, 25 and 60 years: stature, leaves, crown.
+    Trees,
+    /// All of them.
+    #[default]
+    All,
 }
 
 /// `leafseason new`.

@@ -31,4 +31,5 @@ pub mod run;
 pub mod scene;
 pub mod season;
 pub mod species;
+pub mod study;
 pub mod tree;

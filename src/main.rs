@@ -2,15 +2,16 @@
 
 use clap::Parser;
 use leafseason::base::diagnostic::{Diagnostic, Diagnostics, Fault};
-use leafseason::base::limits::Limits;
+use leafseason::base::limits::{Limit, Limits};
 use leafseason::base::message;
 use leafseason::base::picture::Picture;
-use leafseason::cli::{Cli, Command, Compare, New, Plan, Render, SceneArguments, Verify};
+use leafseason::cli::{Cli, Command, Compare, New, Plan, Render, SceneArguments, Study, Verify};
 use leafseason::run::memory;
 use leafseason::run::progress::{Event, Progress};
 use leafseason::run::signals::Signals;
 use leafseason::run::{self, Options};
 use leafseason::scene::{self, Asset, Scene};
+use leafseason::study::{self, trees::Failure};
 use leafseason::{compare, species};
 use std::io::Write;
 use std::path::Path;
@@ -67,6 +68,7 @@ fn command(command: Command) -> Result<u8, Diagnostics> {
         Command::Compare(arguments) => compare_pictures(&arguments),
         Command::Verify(arguments) => verify(&arguments),
         Command::New(arguments) => new_scene(&arguments),
+        Command::Study(arguments) => study_species(&arguments),
         Command::Species => {
             let lines: String = species::list().iter().map(|(name, line)| format!("{name:<16} {line}\n")).collect();
             print(&lines)
@@ -197,6 +199,42 @@ fn new_scene(arguments: &New) -> Result<u8, Diagnostics> {
     let text = scene::starter(&arguments.species);
     run::files::write(&file, text.as_bytes()).map_err(|error| failed(&error))?;
     print(&format!("{}\n", message::shown(&file.to_string_lossy(), 1000)))
+}
+
+fn study_species(arguments: &Study) -> Result<u8, Diagnostics> {
+    use_threads(None)?;
+    let mut limits = Limits::default();
+    let scene = match &arguments.scene {
+        Some(path) => {
+            let sets: Vec<String> = arguments.set.iter().map(|set| set.text()).collect();
+            Some(scene::read(path, &sets, &[], &limits)?.0)
+        }
+        None => None,
+    };
+    limits.set(Limit::Memory, limits.get(Limit::Memory).min(memory::available(rayon::current_num_threads())));
+    let subjects = scene.as_ref().map_or_else(study::trees::built_in, |scene| vec![subject(scene)]);
+    let lines =
+        study::trees::lines(&subjects, &limits, arguments.quick).map_err(|failure| match (failure, &scene) {
+            (Failure::Tree(error), Some(scene)) => run::fault::tree(scene, &error),
+            (Failure::Leaf(error), Some(scene)) => run::fault::leaf(scene, &error),
+            (failure, None) => Diagnostic::error(Fault::Bug, failure.to_string(), "please report it").into(),
+        })?;
+    let file = arguments.out.join("trees.csv");
+    let failed = |error: &dyn std::fmt::Display| {
+        let what = format!("cannot write {}: {error}", message::shown(&file.to_string_lossy(), 200));
+        Diagnostic::error(Fault::Output, what, "name another folder with --out")
+    };
+    std::fs::create_dir_all(&arguments.out).map_err(|error| failed(&error))?;
+    run::files::write(&file, study::csv(&lines).as_bytes()).map_err(|error| failed(&error))?;
+    print(&study::table(&lines))?;
+    Ok(u8::from(lines.iter().any(|line| !line.is_met())))
+}
+
+/// A scene's species; a species file goes by its name without folder and ending.
+fn subject(scene: &Scene) -> study::trees::Subject {
+    let species = scene.species.as_deref().unwrap_or(&scene.name);
+    let name = Path::new(species).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    study::trees::Subject { name, seed: scene.seed, tree: scene.tree.clone(), leaf: scene.leaf.clone() }
 }
 
 /// Reads a scene with its arguments and prints its warnings.

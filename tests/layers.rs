@@ -28,6 +28,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "plan", "report",
         ],
     ),
+    ("study", &["base", "leaf", "tree", "scene", "species", "run"]),
     ("cli", &["base", "run"]),
 ];
 

@@ -45,6 +45,11 @@ pub fn tree(scene: &Scene, error: &TreeError) -> Diagnostics {
                 .at(scene.place("tree.rules"))
                 .into()
         }
+        TreeError::Height { .. } => {
+            Diagnostic::error(Fault::Scene, error.to_string(), "ask for less, or give tree.age in place of a height")
+                .at(scene.place("tree.height"))
+                .into()
+        }
         TreeError::Refused(refusal) => refused(scene, "tree.rules", refusal),
     }
 }

@@ -1,7 +1,7 @@
 //! Runs a scene: the part that touches disk, clock, threads and signals. Everything it calls is pure.
 
 pub mod destination;
-mod fault;
+pub mod fault;
 pub mod files;
 pub mod frame_list;
 mod leaf_area;

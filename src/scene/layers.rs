@@ -6,13 +6,13 @@ use serde_json::{Map, Value};
 /// Groups of keys of which one is meant: a scene's `time.day` replaces the run of days below it.
 const ALTERNATIVES: [(&str, &[&[&str]]); 3] = [
     ("time", &[&["day"], &["from", "to", "step"]]),
-    ("tree", &[&["age"], &["iterations"]]),
+    ("tree", &[&["age"], &["height"], &["iterations"]]),
     ("leaf", &[&["outline"], &["picture"], &["file"]]),
 ];
 
 /// What describes growth: an L-system of the scene's own takes all of it away from the species, whose constants and age
 /// belong to other rules.
-const GROWTH: [&str; 6] = ["age", "axiom", "rules", "constants", "iterations", "angle"];
+const GROWTH: [&str; 7] = ["age", "height", "axiom", "rules", "constants", "iterations", "angle"];
 
 /// Lays `above` over `below`.
 pub fn lay(below: &mut Value, above: Value) {

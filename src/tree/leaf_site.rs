@@ -36,19 +36,34 @@ pub struct LeafSite {
     pub scale: f64,
     /// Order of the axis it sits on.
     pub order: u32,
+    /// Length of the petiole, metres.
+    pub petiole_length: f64,
+    /// Number of the segment at whose end it sits.
+    pub segment: Option<u32>,
 }
 
-/// The site of a leaf that the turtle passed.
-pub(super) fn site(shoot: &Shoot, skeleton: &Skeleton, settings: &Settings, seed: u64) -> LeafSite {
+/// Length of a blade in full light and in deep shade over the mean (sun and shade leaves; Pisek et al. 2013 for the angle).
+const SUN_SIZE: f64 = 0.92;
+const SHADE_SIZE: f64 = 1.14;
+/// Inclination of blades in full light and in deep shade over the mean.
+const SUN_INCLINATION: f64 = 1.15;
+const SHADE_INCLINATION: f64 = 0.7;
+
+/// The site of a leaf that the turtle passed and that sees the share `light` of the sky.
+pub(super) fn site(shoot: &Shoot, skeleton: &Skeleton, light: f64, settings: &Settings, seed: u64) -> LeafSite {
     let mut stream = Stream::new(seed, Purpose::LeafSite, shoot.id, 0);
     let angle = (settings.petiole_angle + PETIOLE_SPREAD * stream.normal()).clamp(0.0, 180.0).to_radians();
     let leaving = shoot.heading * cos(angle) - shoot.up * sin(angle);
     let petiole = (leaving + DVec3::y() * PETIOLE_RISE).try_normalize(1e-9).unwrap_or(leaving);
-    let (blade, normal) = attitude(petiole, shoot, settings, &mut stream);
+    let lit = |shade: f64, sun: f64| shade + (sun - shade) * light;
+    let mean = settings.blade_inclination * lit(SHADE_INCLINATION, SUN_INCLINATION);
+    let (blade, normal) = attitude(petiole, shoot, mean, &mut stream);
     let size = 1.0 + settings.leaf_size_spread * stream.normal();
-    let scale = shoot.scale * size.clamp(0.35, 1.65);
+    let scale = shoot.scale * size.clamp(0.35, 1.65) * lit(SHADE_SIZE, SUN_SIZE);
     let base = surface(shoot, skeleton, petiole);
-    LeafSite { id: shoot.id, base, petiole, blade, normal, scale, order: shoot.order }
+    let petiole_length = settings.petiole * 1e-3 * scale;
+    let (segment, order) = (shoot.segment, shoot.order);
+    LeafSite { id: shoot.id, base, petiole, blade, normal, scale, order, petiole_length, segment }
 }
 
 /// The point of the twig's surface that the petiole leaves from.
@@ -60,14 +75,14 @@ fn surface(shoot: &Shoot, skeleton: &Skeleton, petiole: DVec3) -> DVec3 {
 }
 
 /// Directions of the blade's midrib and upper side.
-fn attitude(petiole: DVec3, shoot: &Shoot, settings: &Settings, stream: &mut Stream) -> (DVec3, DVec3) {
+fn attitude(petiole: DVec3, shoot: &Shoot, inclination: f64, stream: &mut Stream) -> (DVec3, DVec3) {
     // Level part of the petiole, with a little of "away from the trunk" so that upright shoots fan out.
     let outward = DVec3::new(shoot.position.x, 0.0, shoot.position.z).try_normalize(1e-6).unwrap_or_else(DVec3::x);
     let level = DVec3::new(petiole.x, 0.0, petiole.z) + outward * 0.25;
     let level = level.try_normalize(1e-6).unwrap_or(outward);
     let level = rotated(level, DVec3::y(), (AZIMUTH_SPREAD * stream.normal()).to_radians());
     let spread = INCLINATION_SPREAD * stream.normal();
-    let inclination = (settings.blade_inclination + spread).clamp(-90.0, 90.0).to_radians();
+    let inclination = (inclination + spread).clamp(-90.0, 90.0).to_radians();
     let blade = level * cos(inclination) - DVec3::y() * sin(inclination);
     let normal = level * sin(inclination) + DVec3::y() * cos(inclination);
     (blade, rotated(normal, blade, (ROLL_SPREAD * stream.normal()).to_radians()))

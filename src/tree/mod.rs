@@ -23,6 +23,7 @@ mod draws;
 mod expression;
 mod grammar;
 mod growth;
+mod height;
 mod leaf_site;
 mod parser;
 mod path;
@@ -44,6 +45,7 @@ use crate::base::mesh::Mesh;
 use crate::base::settings::Complaint;
 use crate::settings;
 use grammar::Grammar;
+use skeleton::Shoot;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use thiserror::Error;
@@ -56,8 +58,11 @@ const LEAF_BYTES: f64 = 400.0;
 settings! {
     /// The tree's growth. With an L-system of its own a scene needs no species.
     pub struct Settings {
-        /// Age; when given, the number of derivation steps, one a year.
-        age: Option<u32> = None, unit "years", range 1 => 200;
+        /// Age; a derivation step is a year. Of a year that is not over, shoots and leaves have grown by its share: 14.5 is the
+        /// tree of 15 years half-way through its last spring.
+        age: Option<f64> = None, unit "years", range 0.01 => 200.0;
+        /// Height to grow to, in place of an age; the age follows.
+        height: Option<f64> = None, unit "m", range 0.05 => 150.0;
         /// The string that growth starts from.
         axiom: String = String::new();
         /// Rewriting rules, `predecessor : condition : weight -> successor`, as in `A(l) : l > 1 : 0.3 -> F(l)A(l)`; the
@@ -96,10 +101,16 @@ settings! {
 }
 
 impl Settings {
-    /// Derivation steps: the age in years, or `iterations`.
+    /// Derivation steps: the years begun, or `iterations`.
     #[must_use]
     pub fn steps(&self) -> u32 {
-        self.age.unwrap_or(self.iterations)
+        self.age.map_or(self.iterations, |age| age.ceil() as u32)
+    }
+
+    /// Share of its last year's growth that the tree has made, above 0 to 1.
+    #[must_use]
+    pub fn last_year(&self) -> f64 {
+        self.age.map_or(1.0, |age| age - age.ceil() + 1.0)
     }
 }
 
@@ -118,6 +129,10 @@ pub struct Tree {
     pub height: f64,
     /// Largest distance of wood or leaf base from the trunk's foot, seen from above, metres.
     pub crown_radius: f64,
+    /// Area of the ground below the crown, square metres.
+    pub crown_projection: f64,
+    /// The derivation step of the youngest wood.
+    pub youngest: u32,
 }
 
 /// Why a tree could not be grown.
@@ -155,6 +170,16 @@ pub enum TreeError {
     /// The wood leaves the world.
     #[error("the tree grows more than 100 km from its root")]
     Far,
+    /// The height asked for is never reached.
+    #[error("the tree is {reached:.2} m high after {years} years and never {metres} m")]
+    Height {
+        /// The height asked for, metres.
+        metres: f64,
+        /// The greatest height seen, metres.
+        reached: f64,
+        /// Years tried.
+        years: u32,
+    },
     /// A limit refused it.
     #[error(transparent)]
     Refused(#[from] Refusal),
@@ -172,6 +197,14 @@ pub fn check(settings: &Settings) -> Vec<Complaint> {
 /// Complaints about the settings, a value that is not defined, or a limit that stands in the way.
 pub fn grow(settings: &Settings, seed: u64, limits: &Limits) -> Result<(Tree, Figures), TreeError> {
     let grammar = Grammar::new(settings).map_err(TreeError::Settings)?;
+    let aged;
+    let settings = match settings.height {
+        Some(height) => {
+            aged = Settings { age: Some(height::age(&grammar, settings, height, seed, limits)?), ..settings.clone() };
+            &aged
+        }
+        None => settings,
+    };
     if settings.shade == 0.0 || !grammar.bears_leaves() {
         growth::allow(&grammar, settings.steps(), limits)?;
     }
@@ -179,31 +212,35 @@ pub fn grow(settings: &Settings, seed: u64, limits: &Limits) -> Result<(Tree, Fi
     let (leaves, lengths) = (modules.count(b'L') as f64, modules.count(b'F') as f64);
     limits.allow(Limit::Leaves, "tree.rules", leaves)?;
     limits.allow(Limit::Memory, "tree.rules", lengths * LENGTH_BYTES + leaves * LEAF_BYTES)?;
-    let mut drawing = turtle::draw(&modules, settings.angle, settings.tropism)?;
+    let mut drawing = turtle::draw(&modules, settings)?;
     let symbols = modules.len();
     drop(modules);
     let least = settings.twig_diameter * 0.0005;
     if drawing.widths {
         radii::as_set(&mut drawing.skeleton, least);
     } else {
-        radii::pipe_model(&mut drawing.skeleton, settings.radius_exponent, least);
+        radii::pipe_model(&mut drawing.skeleton, settings.radius_exponent, least, settings);
     }
     let skeleton = drawing.skeleton;
-    let sites: Vec<LeafSite> =
-        drawing.shoots.iter().map(|shoot| leaf_site::site(shoot, &skeleton, settings, seed)).collect();
+    let light = shade::light(&drawing.shoots, settings.shade);
+    let site = |(shoot, light): (&Shoot, &f64)| leaf_site::site(shoot, &skeleton, *light, settings, seed);
+    let sites: Vec<LeafSite> = drawing.shoots.iter().zip(&light).map(site).collect();
     let (bark, twigs) = wood::meshes(&skeleton);
     let places = || skeleton.segments.iter().map(|segment| segment.end).chain(sites.iter().map(|site| site.base));
     let height = places().map(|place| place.y).fold(0.0, f64::max);
     let crown_radius = places().map(|place| (place.x * place.x + place.z * place.z).sqrt()).fold(0.0, f64::max);
+    let crown_projection = crown_projection(&sites);
     let figures = Figures::of(sites.len() as u64)
+        .with("age_years", settings.age)
         .with("symbols", symbols as u64)
         .with("segments", skeleton.segments.len() as u64)
         .with("leaves", sites.len() as u64)
         .with("height_m", height)
-        .with("crown_projection_m2", crown_projection(&sites))
+        .with("crown_projection_m2", crown_projection)
         .with("max_order", skeleton.max_order())
         .with("triangles", (bark.triangles.len() + twigs.triangles.len()) as u64);
-    Ok((Tree { bark, twigs, sites, skeleton, height, crown_radius }, figures))
+    let youngest = settings.steps();
+    Ok((Tree { bark, twigs, sites, skeleton, height, crown_radius, crown_projection, youngest }, figures))
 }
 
 /// Area of the ground below the crown, square metres: the outline of the leaves in 36 sectors about their middle, each as
@@ -247,7 +284,7 @@ mod tests {
     fn the_red_maple_is_one() {
         assert_eq!(check(&red_maple()), vec![]);
         for ((age, [height, leaves, trunk, reach]), seed) in EXPECTED.into_iter().flat_map(|row| [(row, 1), (row, 6)]) {
-            let settings = Settings { age: Some(age), ..red_maple() };
+            let settings = Settings { age: Some(f64::from(age)), ..red_maple() };
             let (tree, _) = grow(&settings, seed, &Limits::default()).unwrap();
             let chest = tree.skeleton.segments.iter().find(|segment| segment.axis == 0 && segment.end.y > 1.3).unwrap();
             let found = [
@@ -269,7 +306,7 @@ mod tests {
 
     #[test]
     fn the_same_seed_grows_the_same_tree() {
-        let settings = Settings { age: Some(9), ..red_maple() };
+        let settings = Settings { age: Some(9.0), ..red_maple() };
         let grown = |seed| grow(&settings, seed, &Limits::default()).unwrap();
         assert_eq!(grown(3), grown(3));
         assert_ne!(grown(3).0.sites, grown(4).0.sites);
@@ -284,7 +321,7 @@ mod tests {
 
     #[test]
     fn no_leaf_floats_and_directions_are_unit() {
-        let settings = Settings { age: Some(8), ..red_maple() };
+        let settings = Settings { age: Some(8.0), ..red_maple() };
         let (tree, _) = grow(&settings, 1, &Limits::default()).unwrap();
         assert!(tree.sites.len() > 300);
         for site in &tree.sites {

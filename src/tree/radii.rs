@@ -1,16 +1,20 @@
 //! Radii of the segments: as the rules set them by `!`, or by the pipe model (Shinozaki et al. 1964; exponent after Murray
 //! 1926 and Leonardo): a segment's radius to the power n is the sum over its children.
 
+use super::Settings;
 use super::skeleton::Skeleton;
 use crate::base::maths::pow;
 
-/// Sets every radius by the pipe model; tips have `tip` (metres).
-pub(super) fn pipe_model(skeleton: &mut Skeleton, exponent: f64, tip: f64) {
+/// Sets every radius by the pipe model; tips have `tip` (metres). Shoots of a last year that is not over count by their share
+/// of it, so that wood thickens steadily.
+pub(super) fn pipe_model(skeleton: &mut Skeleton, exponent: f64, tip: f64, settings: &Settings) {
+    let (youngest, last_year) = (settings.steps(), settings.last_year());
     let mut sums = vec![0.0f64; skeleton.segments.len()];
     let unit = pow(tip, exponent);
     for number in (0..skeleton.segments.len()).rev() {
-        let sum = if sums[number] > 0.0 { sums[number] } else { unit };
         let segment = &mut skeleton.segments[number];
+        let own = if segment.birth == youngest { unit * last_year } else { unit };
+        let sum = sums[number].max(own);
         segment.radius = pow(sum, 1.0 / exponent).max(tip);
         if let Some(parent) = segment.parent {
             sums[parent as usize] += sum;
@@ -30,7 +34,7 @@ pub(super) fn as_set(skeleton: &mut Skeleton, least: f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Settings, grow};
+    use super::super::grow;
     use super::*;
     use crate::base::limits::Limits;
 

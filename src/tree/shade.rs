@@ -39,6 +39,16 @@ pub(super) fn lit(shoots: &[Shoot], skeleton: &Skeleton, depth: f64) -> Vec<bool
     lit
 }
 
+/// The share of the sky that each shoot sees, 0 to 1, behind leaves of which `depth` a square metre dim light to 1/e; 1 for all
+/// when `depth` is 0.
+pub(super) fn light(shoots: &[Shoot], depth: f64) -> Vec<f64> {
+    let grid = Grid::around(shoots).filter(|_| depth > 0.0);
+    let Some(mut grid) = grid else { return vec![1.0; shoots.len()] };
+    grid.fill(shoots, &vec![true; shoots.len()], 1.0);
+    let sky = grid.sky(depth);
+    shoots.iter().map(|shoot| sky[grid.cell(shoot.position)]).collect()
+}
+
 /// The stable id of each axis: that of its first segment.
 fn axis_ids(skeleton: &Skeleton) -> Vec<u64> {
     let mut ids = Vec::new();

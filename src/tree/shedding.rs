@@ -15,7 +15,7 @@ pub(super) fn due(settings: &Settings, step: u32, steps: u32) -> bool {
 /// Takes leaves in the shade out of the string, and wood that bears no leaf with everything on it. A string without any leaf
 /// is left as it is: there is nothing to tell light from shade by.
 pub(super) fn shed(modules: &mut Modules, settings: &Settings) -> Result<(), TreeError> {
-    let drawing = turtle::draw(modules, settings.angle, settings.tropism)?;
+    let drawing = turtle::draw(modules, settings)?;
     if drawing.shoots.is_empty() {
         return Ok(());
     }

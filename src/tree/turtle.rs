@@ -5,9 +5,9 @@
 //! round. `$` rolls so that L is level. `F(m)` draws, `f(m)` moves, both 1 m without an argument; `!(cm)` sets the diameter;
 //! `L(s)` is a leaf of relative size s (1 without an argument). Other upper-case letters, `{` and `}` are silent.
 
-use super::TreeError;
 use super::derivation::Modules;
 use super::skeleton::{Segment, Shoot, Skeleton};
+use super::{Settings, TreeError};
 use crate::base::maths::{atan2, sincos};
 use crate::base::vector::{DVec3, rotated};
 
@@ -103,8 +103,10 @@ fn turned(first: DVec3, second: DVec3, angle: f64) -> (DVec3, DVec3) {
     (first * cosine + second * sine, second * cosine - first * sine)
 }
 
-/// Follows the string. `angle` (degrees) is that of turns without an argument, `tropism` in radians a metre.
-pub(super) fn draw(modules: &Modules, angle: f64, tropism: f64) -> Result<Drawing, TreeError> {
+/// Follows the string. What the last step wrote is drawn as far as the last year has come.
+pub(super) fn draw(modules: &Modules, settings: &Settings) -> Result<Drawing, TreeError> {
+    let Settings { angle, tropism, .. } = *settings;
+    let (youngest, last_year) = (settings.steps(), settings.last_year());
     let mut drawing = Drawing::default();
     let (mut state, mut saved) = (State::start(), Vec::new());
     let mut axes = 0;
@@ -114,7 +116,8 @@ pub(super) fn draw(modules: &Modules, angle: f64, tropism: f64) -> Result<Drawin
         match modules.letters[module] {
             b'F' => {
                 let birth = (modules.ids[module], modules.births[module]);
-                draw_segment(&mut drawing, &mut state, &mut axes, argument.unwrap_or(1.0), birth, tropism)?;
+                let grown = if birth.1 == youngest { last_year } else { 1.0 };
+                draw_segment(&mut drawing, &mut state, &mut axes, argument.unwrap_or(1.0) * grown, birth, tropism)?;
                 if state.position.amax() > FARTHEST {
                     return Err(TreeError::Far);
                 }
@@ -125,7 +128,8 @@ pub(super) fn draw(modules: &Modules, angle: f64, tropism: f64) -> Result<Drawin
                 if !(0.0..=LARGEST_LEAF).contains(&scale) {
                     return Err(TreeError::Leaf { scale });
                 }
-                drawing.shoots.push(shoot(&state, modules.ids[module], scale));
+                let grown = if modules.births[module] == youngest { last_year } else { 1.0 };
+                drawing.shoots.push(shoot(&state, modules.ids[module], scale * grown));
             }
             b'+' => state.yaw(radians),
             b'-' => state.yaw(-radians),
