@@ -24,6 +24,7 @@ mod expression;
 mod grammar;
 mod growth;
 mod leaf_site;
+mod modules;
 mod parser;
 mod path;
 mod radii;
@@ -180,7 +181,7 @@ pub fn grow(settings: &Settings, seed: u64, limits: &Limits) -> Result<(Tree, Fi
     limits.allow(Limit::Leaves, "tree.rules", leaves)?;
     limits.allow(Limit::Memory, "tree.rules", lengths * LENGTH_BYTES + leaves * LEAF_BYTES)?;
     let mut drawing = turtle::draw(&modules, settings.angle, settings.tropism)?;
-    let symbols = modules.len();
+    let symbols = modules.list.len();
     drop(modules);
     let least = settings.twig_diameter * 0.0005;
     if drawing.widths {

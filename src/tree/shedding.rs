@@ -1,7 +1,7 @@
 //! Shedding while the tree grows: the string is drawn, shoots in the shade are found, and what they were made of is taken out
 //! of the string, so that dead wood never branches on and costs nothing.
 
-use super::derivation::Modules;
+use super::modules::{Module, Modules};
 use super::{Settings, TreeError, shade, turtle};
 
 /// Years between two sheddings; a shoot outlives its light for about so long.
@@ -22,16 +22,15 @@ pub(super) fn shed(modules: &mut Modules, settings: &Settings) -> Result<(), Tre
     let lit = shade::lit(&drawing.shoots, &drawing.skeleton, settings.shade);
     let alive = shade::alive(&drawing.skeleton, &drawing.shoots, &lit);
     let mut leaf = 0;
-    let kept: Vec<bool> = (0..modules.len())
-        .map(|module| {
-            let mut kept = drawing.owners[module].is_none_or(|segment| alive[segment as usize]);
-            if modules.letters[module] == b'L' {
-                kept &= lit[leaf];
-                leaf += 1;
-            }
-            kept
-        })
-        .collect();
+    let mark = |(module, owner): (&Module, &Option<u32>)| {
+        let mut kept = owner.is_none_or(|segment| alive[segment as usize]);
+        if module.letter == b'L' {
+            kept &= lit[leaf];
+            leaf += 1;
+        }
+        kept
+    };
+    let kept: Vec<bool> = modules.list.iter().zip(&drawing.owners).map(mark).collect();
     modules.retain(&kept);
     Ok(())
 }

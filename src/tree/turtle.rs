@@ -6,7 +6,7 @@
 //! `L(s)` is a leaf of relative size s (1 without an argument). Other upper-case letters, `{` and `}` are silent.
 
 use super::TreeError;
-use super::derivation::Modules;
+use super::modules::Modules;
 use super::skeleton::{Segment, Shoot, Skeleton};
 use crate::base::maths::{atan2, sincos};
 use crate::base::vector::{DVec3, rotated};
@@ -108,12 +108,12 @@ pub(super) fn draw(modules: &Modules, angle: f64, tropism: f64) -> Result<Drawin
     let mut drawing = Drawing::default();
     let (mut state, mut saved) = (State::start(), Vec::new());
     let mut axes = 0;
-    for module in 0..modules.len() {
+    for module in &modules.list {
         let argument = modules.parameters(module).first().copied();
         let radians = argument.unwrap_or(angle).to_radians();
-        match modules.letters[module] {
+        match module.letter {
             b'F' => {
-                let birth = (modules.ids[module], modules.births[module]);
+                let birth = (module.id, module.birth);
                 draw_segment(&mut drawing, &mut state, &mut axes, argument.unwrap_or(1.0), birth, tropism)?;
                 if state.position.amax() > FARTHEST {
                     return Err(TreeError::Far);
@@ -125,7 +125,7 @@ pub(super) fn draw(modules: &Modules, angle: f64, tropism: f64) -> Result<Drawin
                 if !(0.0..=LARGEST_LEAF).contains(&scale) {
                     return Err(TreeError::Leaf { scale });
                 }
-                drawing.shoots.push(shoot(&state, modules.ids[module], scale));
+                drawing.shoots.push(shoot(&state, module.id, scale));
             }
             b'+' => state.yaw(radians),
             b'-' => state.yaw(-radians),
