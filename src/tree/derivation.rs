@@ -10,8 +10,8 @@ use super::grammar::Grammar;
 use super::growth::extrapolated;
 use super::modules::{Module, Modules};
 use super::rule::Rule;
-use super::shedding;
-use super::symbol::Template;
+use super::shedding::Shedding;
+use super::symbol::{PARAMETER_LIMIT, Template};
 use super::{Settings, TreeError};
 use crate::base::limits::{Limit, Limits, Refusal};
 use crate::base::random::hash;
@@ -23,10 +23,11 @@ pub(super) fn derive(grammar: &Grammar, settings: &Settings, seed: u64, limits: 
     for template in &grammar.axiom {
         rewriter.write(template, None, None)?;
     }
+    let mut shedding = Shedding::new(settings);
     for step in 1..=steps {
         rewriter.step(step, steps)?;
-        if shedding::due(settings, step, steps) {
-            shedding::shed(&mut rewriter.next, settings)?;
+        if shedding.due(step, steps) {
+            shedding.shed(&mut rewriter.next)?;
         }
     }
     Ok(rewriter.next)
@@ -174,12 +175,12 @@ impl<'a> Rewriter<'a> {
         if !self.enter(template.letter)? {
             return Ok(());
         }
-        for parameter in &template.parameters {
-            let value = self.evaluate(parameter, rule, module)?;
-            self.next.push_parameter(value);
+        let mut values = [0.0; PARAMETER_LIMIT];
+        for (value, parameter) in values.iter_mut().zip(&template.parameters) {
+            *value = self.evaluate(parameter, rule, module)?;
         }
         let id = hash(module.map_or(0, |module| module.id), template.key);
-        self.next.push(template.letter, id, self.step, template.parameters.len());
+        self.next.push(template.letter, id, self.step, &values[..template.parameters.len()]);
         self.leave(template.letter);
         Ok(())
     }

@@ -11,12 +11,21 @@ pub(super) struct Module {
     pub birth: u32,
     /// How many parameters it has.
     count: u8,
-    /// Where they start in [`Modules::values`].
+    /// Its first parameter.
+    argument: f64,
+    /// Where its parameters start in [`Modules::values`], if there are several.
     first: usize,
 }
 
-/// A string of modules. Parameters stand in an arena of their own, so that a module that stays is copied without them; what
-/// modules that are gone have left there is swept out when it is more than what is used.
+impl Module {
+    /// The first parameter, if it has any.
+    pub fn argument(&self) -> Option<f64> {
+        (self.count > 0).then_some(self.argument)
+    }
+}
+
+/// A string of modules. Those with several parameters have them in an arena of its own, so that a module that stays is copied
+/// without them; what modules that are gone have left there is swept out when it is more than what is used.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Modules {
     pub list: Vec<Module>,
@@ -24,8 +33,12 @@ pub(super) struct Modules {
 }
 
 impl Modules {
-    pub fn parameters(&self, module: &Module) -> &[f64] {
-        &self.values[module.first..][..usize::from(module.count)]
+    pub fn parameters<'a>(&'a self, module: &'a Module) -> &'a [f64] {
+        match module.count {
+            0 => &[],
+            1 => std::slice::from_ref(&module.argument),
+            count => &self.values[module.first..][..usize::from(count)],
+        }
     }
 
     pub fn count(&self, letter: u8) -> usize {
@@ -37,14 +50,13 @@ impl Modules {
         length * size_of::<Module>() + self.values.len() * size_of::<f64>()
     }
 
-    /// Adds a parameter for the module that is added next.
-    pub fn push_parameter(&mut self, value: f64) {
-        self.values.push(value);
-    }
-
-    /// Adds a module whose `count` parameters were added just before.
-    pub fn push(&mut self, letter: u8, id: u64, birth: u32, count: usize) {
-        self.list.push(Module { letter, id, birth, count: count as u8, first: self.values.len() - count });
+    /// Adds a module; its parameters are in `parameters`.
+    pub fn push(&mut self, letter: u8, id: u64, birth: u32, parameters: &[f64]) {
+        let (first, argument) = (self.values.len(), parameters.first().copied().unwrap_or(0.0));
+        if parameters.len() > 1 {
+            self.values.extend_from_slice(parameters);
+        }
+        self.list.push(Module { letter, id, birth, count: parameters.len() as u8, argument, first });
     }
 
     /// Keeps only the modules marked.
@@ -55,12 +67,13 @@ impl Modules {
 
     /// Gives back the room of parameters that no module has any more, when that pays.
     pub fn sweep(&mut self) {
-        let used: usize = self.list.iter().map(|module| usize::from(module.count)).sum();
+        let several = |module: &&mut Module| module.count > 1;
+        let used: usize = self.list.iter_mut().filter(several).map(|module| usize::from(module.count)).sum();
         if self.values.len() < 2 * used + 1024 {
             return;
         }
         let mut swept = Vec::with_capacity(used);
-        for module in &mut self.list {
+        for module in self.list.iter_mut().filter(several) {
             let first = swept.len();
             swept.extend_from_slice(&self.values[module.first..][..usize::from(module.count)]);
             module.first = first;
@@ -77,9 +90,8 @@ mod tests {
     fn sweeping_keeps_letters_and_parameters() {
         let mut modules = Modules::default();
         for number in 0..5000u32 {
-            modules.push_parameter(f64::from(number));
-            modules.push_parameter(-f64::from(number));
-            modules.push(b'A' + (number % 26) as u8, u64::from(number), 1, 2);
+            let parameters = [f64::from(number), -f64::from(number)];
+            modules.push(b'A' + (number % 26) as u8, u64::from(number), 1, &parameters);
         }
         let kept: Vec<bool> = (0..5000).map(|number| number % 7 == 3).collect();
         modules.retain(&kept);

@@ -139,18 +139,28 @@ fn back((sine, cosine): (f64, f64)) -> (f64, f64) {
 /// Follows the string. `angle` (degrees) is that of turns without an argument, `tropism` in radians a metre.
 pub(super) fn draw(modules: &Modules, angle: f64, tropism: f64) -> Result<Drawing, TreeError> {
     let mut drawing = Drawing::default();
+    redraw(&mut drawing, modules, angle, tropism)?;
+    Ok(drawing)
+}
+
+/// As [`draw`], in the place of what was drawn before.
+pub(super) fn redraw(drawing: &mut Drawing, modules: &Modules, angle: f64, tropism: f64) -> Result<(), TreeError> {
+    drawing.skeleton.segments.clear();
+    drawing.shoots.clear();
+    drawing.owners.clear();
+    drawing.widths = false;
     drawing.skeleton.segments.reserve(modules.count(b'F'));
     drawing.shoots.reserve(modules.count(b'L'));
     drawing.owners.reserve(modules.list.len());
     let (mut state, mut saved, mut angles) = (State::start(), Vec::new(), Angles::new());
     let mut axes = 0;
     for module in &modules.list {
-        let argument = modules.parameters(module).first().copied();
+        let argument = module.argument();
         let degrees = argument.unwrap_or(angle);
         match module.letter {
             b'F' => {
                 let birth = (module.id, module.birth);
-                draw_segment(&mut drawing, &mut state, &mut axes, argument.unwrap_or(1.0), birth, tropism)?;
+                draw_segment(drawing, &mut state, &mut axes, argument.unwrap_or(1.0), birth, tropism)?;
                 if state.position.amax() > FARTHEST {
                     return Err(TreeError::Far);
                 }
@@ -188,7 +198,7 @@ pub(super) fn draw(modules: &Modules, angle: f64, tropism: f64) -> Result<Drawin
         }
         drawing.owners.push(state.segment);
     }
-    Ok(drawing)
+    Ok(())
 }
 
 fn draw_segment(
