@@ -33,6 +33,9 @@ pub(super) fn derive(grammar: &Grammar, settings: &Settings, seed: u64, limits: 
     Ok(rewriter.next)
 }
 
+/// Symbols that are written between two looks at the limits: few beside any limit.
+const LOOK_AGAIN: usize = 1000;
+
 /// A bracket that is open in the string being written.
 struct Open {
     /// Where it stands.
@@ -57,8 +60,8 @@ struct Rewriter<'a> {
     cut: Option<usize>,
     /// Which symbols are drawn, or can become something that is.
     lasting: [bool; 128],
-    /// Most symbols and most bytes that the limits allow.
-    most: (usize, usize),
+    /// The length of the string at which the limits are looked at again.
+    room: usize,
     step: u32,
     steps: u32,
     /// Share of the last string that has been rewritten and its length, to say how much more there would be.
@@ -70,8 +73,6 @@ impl<'a> Rewriter<'a> {
         let lasting = std::array::from_fn(|letter| {
             matches!(letter as u8, b'F' | b'f' | b'L') || !grammar.by_letter[letter].is_empty()
         });
-        // Two strings stand in memory while one is rewritten.
-        let most = (limits.get(Limit::Symbols) as usize, (limits.get(Limit::Memory) * 0.5) as usize);
         Self {
             grammar,
             limits,
@@ -84,7 +85,7 @@ impl<'a> Rewriter<'a> {
             open: Vec::new(),
             cut: None,
             lasting,
-            most,
+            room: 0,
             step: 0,
             steps: 0,
             done: (0, 0),
@@ -97,6 +98,7 @@ impl<'a> Rewriter<'a> {
         let last = std::mem::take(&mut self.last);
         (self.step, self.steps, self.cut) = (step, steps, None);
         self.open.clear();
+        self.room = 0;
         for (index, module) in last.iter().enumerate() {
             self.done = (index + 1, last.len());
             let rule = if self.grammar.by_letter[usize::from(module.letter)].is_empty() {
@@ -194,15 +196,29 @@ impl<'a> Rewriter<'a> {
     }
 
     /// Whether the symbol is to be written: not when it is, or stands behind, a `%`.
+    #[inline]
     fn enter(&mut self, letter: u8) -> Result<bool, TreeError> {
         if self.cut.is_some() || letter == b'%' {
             return Ok(self.leave_out(letter));
         }
-        let written = self.next.list.len() + 1;
-        if written > self.most.0 || self.next.bytes(written) > self.most.1 {
-            return Err(self.refusal(written).into());
+        if self.next.list.len() >= self.room {
+            self.make_room()?;
         }
         Ok(true)
+    }
+
+    /// Looks whether the limits allow one more symbol, and says when to look again.
+    #[cold]
+    fn make_room(&mut self) -> Result<(), Refusal> {
+        let (symbols, written) = (self.limits.get(Limit::Symbols), self.next.list.len() + 1);
+        if written as f64 > symbols {
+            let wanted = extrapolated(written, self.done, self.steps - self.step);
+            return Err(Refusal { limit: Limit::Symbols, what: "tree.rules".to_owned(), wanted, allowed: symbols });
+        }
+        // Two strings stand in memory while one is rewritten.
+        self.limits.allow(Limit::Memory, "tree.rules", 2.0 * self.next.bytes(written) as f64)?;
+        self.room = (written + LOOK_AGAIN).min(symbols as usize);
+        Ok(())
     }
 
     /// Keeps account of brackets behind a `%`; true when the branch that it cut off ends with this symbol.
@@ -217,17 +233,8 @@ impl<'a> Rewriter<'a> {
         self.cut.is_none()
     }
 
-    /// What stands in the way of one more symbol.
-    fn refusal(&self, written: usize) -> Refusal {
-        let (limit, wanted) = if written > self.most.0 {
-            (Limit::Symbols, extrapolated(written, self.done, self.steps - self.step))
-        } else {
-            (Limit::Memory, 2.0 * self.next.bytes(written) as f64)
-        };
-        Refusal { limit, what: "tree.rules".to_owned(), wanted, allowed: self.limits.get(limit) }
-    }
-
     /// Keeps account of brackets; a branch in which nothing can ever grow or be drawn is taken back.
+    #[inline]
     fn leave(&mut self, letter: u8) {
         if letter == b'[' {
             self.open.push(Open { start: self.next.list.len() - 1, lasting: false });
