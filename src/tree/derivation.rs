@@ -8,88 +8,33 @@ use super::draws::Draws;
 use super::expression::{Program, Scope};
 use super::grammar::Grammar;
 use super::growth::extrapolated;
+use super::modules::{Module, Modules};
 use super::rule::Rule;
-use super::shedding;
-use super::symbol::Template;
+use super::shedding::Shedding;
+use super::symbol::{PARAMETER_LIMIT, Template};
 use super::{Settings, TreeError};
 use crate::base::limits::{Limit, Limits, Refusal};
 use crate::base::random::hash;
-
-/// A string of modules, by column.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Modules {
-    pub letters: Vec<u8>,
-    pub ids: Vec<u64>,
-    /// The derivation step that wrote the module; 0 for the axiom.
-    pub births: Vec<u32>,
-    /// Where each module's parameters end in `values`.
-    ends: Vec<usize>,
-    values: Vec<f64>,
-}
-
-impl Modules {
-    pub fn len(&self) -> usize {
-        self.letters.len()
-    }
-
-    pub fn parameters(&self, module: usize) -> &[f64] {
-        let start = if module == 0 { 0 } else { self.ends[module - 1] };
-        &self.values[start..self.ends[module]]
-    }
-
-    pub fn count(&self, letter: u8) -> usize {
-        self.letters.iter().filter(|&&found| found == letter).count()
-    }
-
-    /// Keeps only the modules marked.
-    pub fn retain(&mut self, kept: &[bool]) {
-        let mut left = 0;
-        let mut values = 0;
-        for module in (0..self.len()).filter(|&module| kept[module]) {
-            let start = if module == 0 { 0 } else { self.ends[module - 1] };
-            let range = start..self.ends[module];
-            self.values.copy_within(range.clone(), values);
-            values += range.len();
-            self.letters[left] = self.letters[module];
-            self.ids[left] = self.ids[module];
-            self.births[left] = self.births[module];
-            self.ends[left] = values;
-            left += 1;
-        }
-        self.truncate(left);
-    }
-
-    fn push(&mut self, letter: u8, id: u64, birth: u32) {
-        self.letters.push(letter);
-        self.ids.push(id);
-        self.births.push(birth);
-        self.ends.push(self.values.len());
-    }
-
-    fn truncate(&mut self, length: usize) {
-        self.letters.truncate(length);
-        self.ids.truncate(length);
-        self.births.truncate(length);
-        self.ends.truncate(length);
-        self.values.truncate(self.ends.last().copied().unwrap_or(0));
-    }
-}
 
 /// Derives the grammar's string; shaded shoots are shed on the way when the settings ask for it.
 pub(super) fn derive(grammar: &Grammar, settings: &Settings, seed: u64, limits: &Limits) -> Result<Modules, TreeError> {
     let steps = settings.steps();
     let mut rewriter = Rewriter::new(grammar, seed, limits);
     for template in &grammar.axiom {
-        rewriter.write(template, &"axiom", &[], 0)?;
+        rewriter.write(template, None, None)?;
     }
+    let mut shedding = Shedding::new(settings);
     for step in 1..=steps {
         rewriter.step(step, steps)?;
-        if shedding::due(settings, step, steps) {
-            shedding::shed(&mut rewriter.next, settings)?;
+        if shedding.due(step, steps) {
+            shedding.shed(&mut rewriter.next)?;
         }
     }
     Ok(rewriter.next)
 }
+
+/// Symbols that are written between two looks at the limits: few beside any limit.
+const LOOK_AGAIN: usize = 1000;
 
 /// A bracket that is open in the string being written.
 struct Open {
@@ -105,12 +50,18 @@ struct Rewriter<'a> {
     seed: u64,
     draws: Draws,
     stack: Vec<f64>,
+    /// The rules that hold and their weights, kept for its memory.
+    weighted: Vec<(usize, f64)>,
     next: Modules,
     /// The string of the step before, kept for its memory.
-    last: Modules,
+    last: Vec<Module>,
     open: Vec<Open>,
     /// Depth below the branch that `%` cut off, while it is being left out.
     cut: Option<usize>,
+    /// Which symbols are drawn, or can become something that is.
+    lasting: [bool; 128],
+    /// The length of the string at which the limits are looked at again.
+    room: usize,
     step: u32,
     steps: u32,
     /// Share of the last string that has been rewritten and its length, to say how much more there would be.
@@ -119,164 +70,188 @@ struct Rewriter<'a> {
 
 impl<'a> Rewriter<'a> {
     fn new(grammar: &'a Grammar, seed: u64, limits: &'a Limits) -> Self {
-        let draws = Draws::new(seed, 0, 0);
-        let (stack, next, last, open) = (Vec::new(), Modules::default(), Modules::default(), Vec::new());
-        Self { grammar, limits, seed, draws, stack, next, last, open, cut: None, step: 0, steps: 0, done: (0, 0) }
+        let lasting = std::array::from_fn(|letter| {
+            matches!(letter as u8, b'F' | b'f' | b'L') || !grammar.by_letter[letter].is_empty()
+        });
+        Self {
+            grammar,
+            limits,
+            seed,
+            draws: Draws::new(seed, 0, 0),
+            stack: Vec::new(),
+            weighted: Vec::new(),
+            next: Modules::default(),
+            last: Vec::new(),
+            open: Vec::new(),
+            cut: None,
+            lasting,
+            room: 0,
+            step: 0,
+            steps: 0,
+            done: (0, 0),
+        }
     }
 
     fn step(&mut self, step: u32, steps: u32) -> Result<(), TreeError> {
-        std::mem::swap(&mut self.next, &mut self.last);
-        self.next.truncate(0);
+        std::mem::swap(&mut self.next.list, &mut self.last);
+        self.next.list.clear();
         let last = std::mem::take(&mut self.last);
         (self.step, self.steps, self.cut) = (step, steps, None);
         self.open.clear();
-        for module in 0..last.len() {
-            self.done = (module + 1, last.len());
-            let (letter, id) = (last.letters[module], last.ids[module]);
-            if self.grammar.by_letter[usize::from(letter)].is_empty() {
-                self.keep(&last, module)?;
-                continue;
-            }
-            let parameters = last.parameters(module);
-            self.draws = Draws::new(self.seed, id, step);
-            match self.choose(letter, parameters)? {
-                Some(rule) => self.apply(rule, parameters, id)?,
-                None => self.keep(&last, module)?,
+        self.room = 0;
+        for (index, module) in last.iter().enumerate() {
+            self.done = (index + 1, last.len());
+            let rule = if self.grammar.by_letter[usize::from(module.letter)].is_empty() {
+                None
+            } else {
+                self.draws = Draws::new(self.seed, module.id, step);
+                self.choose(module)?
+            };
+            match rule {
+                Some(rule) => self.apply(rule, module)?,
+                None => self.keep(module)?,
             }
         }
         self.last = last;
+        self.next.sweep();
         Ok(())
     }
 
-    fn apply(&mut self, rule: usize, parameters: &[f64], parent: u64) -> Result<(), TreeError> {
+    fn apply(&mut self, rule: usize, module: &Module) -> Result<(), TreeError> {
         let grammar = self.grammar;
         for template in &grammar.rules[rule].successor {
-            self.write(template, &rule, parameters, parent)?;
+            self.write(template, Some(rule), Some(module))?;
         }
         Ok(())
     }
 
     /// The number of the rule that rewrites the module, if any does.
-    fn choose(&mut self, letter: u8, parameters: &[f64]) -> Result<Option<usize>, TreeError> {
+    fn choose(&mut self, module: &Module) -> Result<Option<usize>, TreeError> {
         let grammar = self.grammar;
-        let mut weighted: Vec<(usize, f64)> = Vec::new();
-        for &number in &grammar.by_letter[usize::from(letter)] {
+        self.weighted.clear();
+        for &number in &grammar.by_letter[usize::from(module.letter)] {
             let rule: &Rule = &grammar.rules[number];
-            if rule.weight.is_none() && !weighted.is_empty() {
+            if rule.weight.is_none() && !self.weighted.is_empty() {
                 continue;
             }
             let holds = match &rule.condition {
-                Some(condition) => self.evaluate(condition, parameters, &number)? != 0.0,
+                Some(condition) => self.evaluate(condition, Some(number), Some(module))? != 0.0,
                 None => true,
             };
             match &rule.weight {
                 None if holds => return Ok(Some(number)),
-                Some(weight) if holds => weighted.push((number, self.evaluate(weight, parameters, &number)?.max(0.0))),
+                Some(weight) if holds => {
+                    let weight = self.evaluate(weight, Some(number), Some(module))?.max(0.0);
+                    self.weighted.push((number, weight));
+                }
                 _ => {}
             }
         }
-        let total: f64 = weighted.iter().map(|choice| choice.1).sum();
+        let total: f64 = self.weighted.iter().map(|choice| choice.1).sum();
         if total <= 0.0 {
             return Ok(None);
         }
         let mut left = self.draws.choice() * total;
-        for &(rule, weight) in &weighted {
+        for &(rule, weight) in &self.weighted {
             left -= weight;
             if left < 0.0 {
                 return Ok(Some(rule));
             }
         }
-        Ok(weighted.iter().rfind(|choice| choice.1 > 0.0).map(|choice| choice.0))
+        Ok(self.weighted.iter().rfind(|choice| choice.1 > 0.0).map(|choice| choice.0))
     }
 
-    fn evaluate(&mut self, program: &Program, parameters: &[f64], key: &dyn Key) -> Result<f64, TreeError> {
+    /// The value of a program of a rule (`None` for the axiom) that rewrites `module`.
+    fn evaluate(&mut self, program: &Program, rule: Option<usize>, module: Option<&Module>) -> Result<f64, TreeError> {
+        let parameters = module.map_or(&[][..], |module| self.next.parameters(module));
         let age = f64::from(self.step);
         let mut scope = Scope { parameters, age, draws: &mut self.draws, stack: &mut self.stack };
-        program.evaluate(&mut scope).map_err(|within| TreeError::Undefined { key: key.key(), within })
+        program.evaluate(&mut scope).map_err(|within| {
+            let key = rule.map_or_else(|| "axiom".to_owned(), |number| format!("rules.{number}"));
+            TreeError::Undefined { key, within }
+        })
     }
 
-    fn write(&mut self, template: &Template, key: &dyn Key, values: &[f64], parent: u64) -> Result<(), TreeError> {
+    /// Writes a module of a rule (`None` for the axiom) in the place of `module`.
+    fn write(&mut self, template: &Template, rule: Option<usize>, module: Option<&Module>) -> Result<(), TreeError> {
         if !self.enter(template.letter)? {
             return Ok(());
         }
-        for parameter in &template.parameters {
-            let value = self.evaluate(parameter, values, key)?;
-            self.next.values.push(value);
+        let mut values = [0.0; PARAMETER_LIMIT];
+        for (value, parameter) in values.iter_mut().zip(&template.parameters) {
+            *value = self.evaluate(parameter, rule, module)?;
         }
-        self.next.push(template.letter, hash(parent, template.key), self.step);
+        let id = hash(module.map_or(0, |module| module.id), template.key);
+        self.next.push(template.letter, id, self.step, &values[..template.parameters.len()]);
         self.leave(template.letter);
         Ok(())
     }
 
-    fn keep(&mut self, last: &Modules, module: usize) -> Result<(), TreeError> {
-        let letter = last.letters[module];
-        if self.enter(letter)? {
-            self.next.values.extend_from_slice(last.parameters(module));
-            self.next.push(letter, last.ids[module], last.births[module]);
-            self.leave(letter);
+    fn keep(&mut self, module: &Module) -> Result<(), TreeError> {
+        if self.enter(module.letter)? {
+            self.next.list.push(*module);
+            self.leave(module.letter);
         }
         Ok(())
     }
 
     /// Whether the symbol is to be written: not when it is, or stands behind, a `%`.
+    #[inline]
     fn enter(&mut self, letter: u8) -> Result<bool, TreeError> {
-        match (self.cut, letter) {
-            (None, b'%') => self.cut = Some(0),
-            (Some(0), b']') => self.cut = None,
-            (Some(depth), b'[') => self.cut = Some(depth + 1),
-            (Some(depth), b']') => self.cut = Some(depth - 1),
-            _ => {}
+        if self.cut.is_some() || letter == b'%' {
+            return Ok(self.leave_out(letter));
         }
-        if self.cut.is_some() {
-            return Ok(false);
+        if self.next.list.len() >= self.room {
+            self.make_room()?;
         }
-        let written = self.next.len() + 1;
-        let bytes = written * 29 + (self.next.values.len() + self.stack.len()) * 8;
-        if written as f64 > self.limits.get(Limit::Symbols) {
-            let wanted = extrapolated(written, self.done, self.steps - self.step);
-            let allowed = self.limits.get(Limit::Symbols);
-            return Err(Refusal { limit: Limit::Symbols, what: "tree.rules".to_owned(), wanted, allowed }.into());
-        }
-        self.limits.allow(Limit::Memory, "tree.rules", 2.0 * bytes as f64)?;
         Ok(true)
     }
 
+    /// Looks whether the limits allow one more symbol, and says when to look again.
+    #[cold]
+    fn make_room(&mut self) -> Result<(), Refusal> {
+        let (symbols, written) = (self.limits.get(Limit::Symbols), self.next.list.len() + 1);
+        if written as f64 > symbols {
+            let wanted = extrapolated(written, self.done, self.steps - self.step);
+            return Err(Refusal { limit: Limit::Symbols, what: "tree.rules".to_owned(), wanted, allowed: symbols });
+        }
+        // Two strings stand in memory while one is rewritten.
+        self.limits.allow(Limit::Memory, "tree.rules", 2.0 * self.next.bytes(written) as f64)?;
+        self.room = (written + LOOK_AGAIN).min(symbols as usize);
+        Ok(())
+    }
+
+    /// Keeps account of brackets behind a `%`; true when the branch that it cut off ends with this symbol.
+    fn leave_out(&mut self, letter: u8) -> bool {
+        self.cut = match (self.cut, letter) {
+            (None, _) => Some(0),
+            (Some(0), b']') => None,
+            (Some(depth), b'[') => Some(depth + 1),
+            (Some(depth), b']') => Some(depth - 1),
+            (depth, _) => depth,
+        };
+        self.cut.is_none()
+    }
+
     /// Keeps account of brackets; a branch in which nothing can ever grow or be drawn is taken back.
+    #[inline]
     fn leave(&mut self, letter: u8) {
-        let end = self.next.len();
         if letter == b'[' {
-            self.open.push(Open { start: end - 1, lasting: false });
+            self.open.push(Open { start: self.next.list.len() - 1, lasting: false });
             return;
         }
         let lasting = if letter == b']' {
             let Some(closed) = self.open.pop() else { return };
             if !closed.lasting {
-                self.next.truncate(closed.start);
+                self.next.list.truncate(closed.start);
             }
             closed.lasting
         } else {
-            matches!(letter, b'F' | b'f' | b'L') || !self.grammar.by_letter[usize::from(letter)].is_empty()
+            self.lasting[usize::from(letter)]
         };
         if let Some(open) = self.open.last_mut() {
             open.lasting |= lasting;
         }
-    }
-}
-
-/// The settings key that a program came from, spelt out only for a message.
-trait Key {
-    fn key(&self) -> String;
-}
-
-impl Key for usize {
-    fn key(&self) -> String {
-        format!("rules.{self}")
-    }
-}
-
-impl Key for &str {
-    fn key(&self) -> String {
-        (*self).to_owned()
     }
 }
 
@@ -291,14 +266,14 @@ mod tests {
     }
 
     fn text(modules: &Modules) -> String {
-        String::from_utf8(modules.letters.clone()).unwrap()
+        modules.list.iter().map(|module| char::from(module.letter)).collect()
     }
 
     #[test]
     fn algae_grow_as_fibonacci() {
         let rules = ["A -> AB", "B -> A"];
         assert_eq!(text(&derived("A", &rules, 4)), "ABAABABA");
-        assert_eq!(derived("A", &rules, 20).len(), 17711);
+        assert_eq!(derived("A", &rules, 20).list.len(), 17711);
     }
 
     #[test]
@@ -316,7 +291,7 @@ mod tests {
     fn weights_are_met_and_do_not_depend_on_other_rules() {
         let count = |rules: &[&str]| {
             let modules = derived("B", rules, 13);
-            (modules.count(b'X'), modules.ids.clone())
+            (modules.count(b'X'), modules.list.iter().map(|module| module.id).collect::<Vec<_>>())
         };
         let rules = ["B : n < 13 -> BB", "B : * : 1 -> X", "B : * : 3 -> Y"];
         let (drawn, ids) = count(&rules);

@@ -90,8 +90,10 @@ pub(super) enum Op {
     /// 1 for anything but 0.
     Truth,
     Dyadic(Operator),
+    /// With this number on the right.
+    With(Operator, f64),
     Call(Function),
-    /// Leaves 0 and jumps if the top is 0, else drops it.
+    /// If the top is 0, leaves it and jumps, else drops it.
     And(usize),
     /// Leaves 1 and jumps if the top is not 0, else drops it.
     Or(usize),
@@ -121,20 +123,69 @@ impl Program {
         self.spans.push(span);
     }
 
-    /// The value, or the bytes of the step whose result was not finite.
-    pub fn evaluate(&self, scope: &mut Scope<'_>) -> Result<f64, Range<usize>> {
-        if let [Op::Literal(value)] = self.ops[..] {
-            return Ok(value);
-        }
-        scope.stack.clear();
-        let mut at = 0;
-        while let Some(&op) = self.ops.get(at) {
-            at = scope.step(op, at);
-            if scope.stack.last().is_some_and(|value| !value.is_finite()) {
-                return Err(self.spans[at - 1].clone());
+    /// Adds a dyadic operator; a right side that is only a number becomes part of it. `right` is the step it starts with.
+    pub fn push_dyadic(&mut self, operator: Operator, right: usize, span: Range<usize>) {
+        let op = match self.ops[right..] {
+            [Op::Literal(value) | Op::Constant(value)] => {
+                self.ops.truncate(right);
+                self.spans.truncate(right);
+                Op::With(operator, value)
             }
+            _ => Op::Dyadic(operator),
+        };
+        self.push(op, span);
+    }
+
+    /// The value, or the bytes of the step whose result was not finite.
+    #[inline]
+    pub fn evaluate(&self, scope: &mut Scope<'_>) -> Result<f64, Range<usize>> {
+        match self.ops[..] {
+            [Op::Literal(value)] => Ok(value),
+            _ => self.run(scope),
         }
-        Ok(scope.pop())
+    }
+
+    /// Runs the steps. The top of the stack is held apart from the rest.
+    fn run(&self, scope: &mut Scope<'_>) -> Result<f64, Range<usize>> {
+        let truth = |holds: bool| if holds { 1.0 } else { 0.0 };
+        scope.stack.clear();
+        let (mut at, mut top) = (0, 0.0);
+        while let Some(&op) = self.ops.get(at) {
+            if let Op::Literal(_) | Op::Constant(_) | Op::Parameter(_) | Op::Age = op {
+                scope.stack.push(top);
+            }
+            top = match op {
+                Op::Literal(value) | Op::Constant(value) => value,
+                Op::Parameter(index) => scope.parameters.get(index).copied().unwrap_or(f64::NAN),
+                Op::Age => scope.age,
+                Op::Negate => -top,
+                Op::Not => truth(top == 0.0),
+                Op::Truth => truth(top != 0.0),
+                Op::Dyadic(operator) => operator.apply(scope.pop(), top),
+                Op::With(operator, value) => operator.apply(top, value),
+                Op::Call(function) => scope.call(function, top),
+                Op::Jump(target) => {
+                    at = target;
+                    continue;
+                }
+                Op::Branch(target) => {
+                    at = if top == 0.0 { target } else { at + 1 };
+                    top = scope.pop();
+                    continue;
+                }
+                Op::And(target) | Op::Or(target) => {
+                    let holds = top != 0.0;
+                    let decided = holds == matches!(op, Op::Or(_));
+                    (at, top) = if decided { (target, truth(holds)) } else { (at + 1, scope.pop()) };
+                    continue;
+                }
+            };
+            if !top.is_finite() {
+                return Err(self.spans[at].clone());
+            }
+            at += 1;
+        }
+        Ok(top)
     }
 }
 
@@ -143,40 +194,8 @@ impl Scope<'_> {
         self.stack.pop().unwrap_or(0.0)
     }
 
-    /// Runs one step and returns the number of the next.
-    fn step(&mut self, op: Op, at: usize) -> usize {
-        let truth = |holds: bool| if holds { 1.0 } else { 0.0 };
-        let value = match op {
-            Op::Jump(target) => return target,
-            Op::Branch(target) => return if self.pop() == 0.0 { target } else { at + 1 },
-            Op::And(target) | Op::Or(target) => return self.shortcut(op, target, at),
-            Op::Literal(value) | Op::Constant(value) => value,
-            Op::Parameter(index) => self.parameters.get(index).copied().unwrap_or(f64::NAN),
-            Op::Age => self.age,
-            Op::Negate => -self.pop(),
-            Op::Not => truth(self.pop() == 0.0),
-            Op::Truth => truth(self.pop() != 0.0),
-            Op::Dyadic(operator) => {
-                let b = self.pop();
-                operator.apply(self.pop(), b)
-            }
-            Op::Call(function) => self.call(function),
-        };
-        self.stack.push(value);
-        at + 1
-    }
-
-    fn shortcut(&mut self, op: Op, target: usize, at: usize) -> usize {
-        let holds = self.pop() != 0.0;
-        if holds == matches!(op, Op::Or(_)) {
-            self.stack.push(if holds { 1.0 } else { 0.0 });
-            return target;
-        }
-        at + 1
-    }
-
-    fn call(&mut self, function: Function) -> f64 {
-        let last = self.pop();
+    /// The value of a function whose last argument is `last`.
+    fn call(&mut self, function: Function, last: f64) -> f64 {
         match function {
             Function::Min => self.pop().min(last),
             Function::Max => self.pop().max(last),

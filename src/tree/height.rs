@@ -1,7 +1,8 @@
 //! The age at which a tree has a given height.
 
-use super::derivation::{Modules, derive};
+use super::derivation::derive;
 use super::grammar::Grammar;
+use super::modules::Modules;
 use super::{Settings, TreeError, turtle};
 use crate::base::limits::Limits;
 
@@ -57,7 +58,7 @@ pub(super) fn age(
 
 /// The highest point of the wood, metres.
 fn highest(modules: &Modules, settings: &Settings) -> Result<f64, TreeError> {
-    let drawing = turtle::draw(modules, settings)?;
+    let drawing = turtle::draw(modules, settings, settings.last_year())?;
     Ok(drawing.skeleton.segments.iter().map(|segment| segment.end.y).fold(0.0, f64::max))
 }
 

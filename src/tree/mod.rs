@@ -25,6 +25,7 @@ mod grammar;
 mod growth;
 mod height;
 mod leaf_site;
+mod modules;
 mod parser;
 mod path;
 mod radii;
@@ -212,8 +213,8 @@ pub fn grow(settings: &Settings, seed: u64, limits: &Limits) -> Result<(Tree, Fi
     let (leaves, lengths) = (modules.count(b'L') as f64, modules.count(b'F') as f64);
     limits.allow(Limit::Leaves, "tree.rules", leaves)?;
     limits.allow(Limit::Memory, "tree.rules", lengths * LENGTH_BYTES + leaves * LEAF_BYTES)?;
-    let mut drawing = turtle::draw(&modules, settings)?;
-    let symbols = modules.len();
+    let mut drawing = turtle::draw(&modules, settings, settings.last_year())?;
+    let symbols = modules.list.len();
     drop(modules);
     let least = settings.twig_diameter * 0.0005;
     if drawing.widths {

@@ -151,7 +151,7 @@ impl Parser<'_, '_, '_> {
         }
         match (literal(&self.program.ops[first..second]), divisor) {
             (Some(a), Some(b)) => self.fold(first, operator.apply(a, b), span),
-            _ => self.program.push(Op::Dyadic(operator), span),
+            _ => self.program.push_dyadic(operator, second, span),
         }
         Ok(())
     }

@@ -27,13 +27,21 @@ pub(super) fn lit(shoots: &[Shoot], skeleton: &Skeleton, depth: f64) -> Vec<bool
     let mut lit = vec![true; shoots.len()];
     let Some(mut grid) = Grid::around(shoots) else { return lit };
     let axes = axis_ids(skeleton);
+    let needed = |shoot: &Shoot| {
+        let axis = shoot.segment.map_or(shoot.id, |number| axes[skeleton.segments[number as usize].axis as usize]);
+        NEEDED + NEEDED_SPREAD * (f64::from(hash_unit(axis, 0x5AD)) - 0.5)
+    };
+    let leaf = |shoot: &Shoot| Leaf {
+        cell: grid.cell(shoot.position),
+        area: shoot.scale * shoot.scale,
+        needed: needed(shoot),
+    };
+    let leaves: Vec<Leaf> = shoots.iter().map(leaf).collect();
     for round in 0..ROUNDS {
-        grid.fill(shoots, &lit, if round == 0 { 1.0 } else { 0.5 });
+        grid.fill(&leaves, &lit, if round == 0 { 1.0 } else { 0.5 });
         let sky = grid.sky(depth);
-        for (shoot, lit) in shoots.iter().zip(&mut lit) {
-            let axis = shoot.segment.map_or(shoot.id, |number| axes[skeleton.segments[number as usize].axis as usize]);
-            let needed = NEEDED + NEEDED_SPREAD * (f64::from(hash_unit(axis, 0x5AD)) - 0.5);
-            *lit = sky[grid.cell(shoot.position)] >= needed;
+        for (leaf, lit) in leaves.iter().zip(&mut lit) {
+            *lit = sky[leaf.cell] >= leaf.needed;
         }
     }
     lit
@@ -44,9 +52,21 @@ pub(super) fn lit(shoots: &[Shoot], skeleton: &Skeleton, depth: f64) -> Vec<bool
 pub(super) fn light(shoots: &[Shoot], depth: f64) -> Vec<f64> {
     let grid = Grid::around(shoots).filter(|_| depth > 0.0);
     let Some(mut grid) = grid else { return vec![1.0; shoots.len()] };
-    grid.fill(shoots, &vec![true; shoots.len()], 1.0);
+    let leaf = |shoot: &Shoot| Leaf { cell: grid.cell(shoot.position), area: shoot.scale * shoot.scale, needed: 0.0 };
+    let leaves: Vec<Leaf> = shoots.iter().map(leaf).collect();
+    grid.fill(&leaves, &vec![true; leaves.len()], 1.0);
     let sky = grid.sky(depth);
-    shoots.iter().map(|shoot| sky[grid.cell(shoot.position)]).collect()
+    leaves.iter().map(|leaf| sky[leaf.cell]).collect()
+}
+
+/// What shading knows of a leaf.
+struct Leaf {
+    /// The grid's cell it stands in.
+    cell: usize,
+    /// Its area, in mean leaves.
+    area: f64,
+    /// Share of open sky without which it falls.
+    needed: f64,
 }
 
 /// The stable id of each axis: that of its first segment.
@@ -99,41 +119,60 @@ impl Grid {
     }
 
     /// Mixes the leaves that are lit into the counts, `share` new to 1 - `share` old.
-    fn fill(&mut self, shoots: &[Shoot], lit: &[bool], share: f64) {
+    fn fill(&mut self, leaves: &[Leaf], lit: &[bool], share: f64) {
         self.leaves.iter_mut().for_each(|leaves| *leaves *= 1.0 - share);
-        for (shoot, _) in shoots.iter().zip(lit).filter(|(_, lit)| **lit) {
-            let cell = self.cell(shoot.position);
-            self.leaves[cell] += share * shoot.scale * shoot.scale;
+        for (leaf, _) in leaves.iter().zip(lit).filter(|(_, lit)| **lit) {
+            self.leaves[leaf.cell] += share * leaf.area;
         }
     }
 
-    /// The share of the sky that each cell sees.
+    /// The share of the sky that each cell with leaves sees; 1 for the others, which nobody asks.
     fn sky(&self, depth: f64) -> Vec<f64> {
-        let rays = rays();
-        let total: f64 = rays.iter().map(|ray| ray.1).sum();
+        let rays: Vec<Ray> = rays().iter().map(|&(direction, weight)| Ray::new(direction, weight, self.size)).collect();
+        let total: f64 = rays.iter().map(|ray| ray.weight).sum();
         let [width, _, breadth] = self.size;
         let seen = |cell: usize| {
-            let (x, z, y) = (cell % width, cell / width % breadth, cell / width / breadth);
-            let from = DVec3::new(x as f64, y as f64, z as f64) + DVec3::repeat(0.5);
-            let through = |ray: &(DVec3, f64)| ray.1 * exp(-self.leaves_along(from, ray.0) / depth);
+            let place = [cell % width, cell / width / breadth, cell / width % breadth];
+            let through = |ray: &Ray| {
+                let leaves =
+                    ray.cells_from(place).iter().fold(0.0, |sum, step| sum + self.leaves[cell.wrapping_add(*step)]);
+                ray.weight * exp(-(leaves / (self.cell * self.cell)) / depth)
+            };
             rays.iter().map(through).sum::<f64>() / total
         };
         (0..self.leaves.len()).map(|cell| if self.leaves[cell] > 0.0 { seen(cell) } else { 1.0 }).collect()
     }
+}
 
-    /// Leaves a square metre that stand in the way from a place (in cells) to the sky.
-    fn leaves_along(&self, from: DVec3, direction: DVec3) -> f64 {
-        let mut sum = 0.0;
-        let mut place = from + direction;
-        loop {
-            let inside = (0..3).all(|axis| place[axis] >= 0.0 && place[axis] < self.size[axis] as f64);
-            if !inside {
-                return sum / (self.cell * self.cell);
-            }
-            let [x, y, z] = [0, 1, 2].map(|axis| place[axis] as usize);
-            sum += self.leaves[(y * self.size[2] + z) * self.size[0] + x];
-            place += direction;
-        }
+/// A ray from the middle of any cell to the sky, by the cells that it meets at whole steps of a cell's side. They are the same
+/// from every cell, but for where the grid ends.
+struct Ray {
+    weight: f64,
+    /// How far each step's cell stands from the first in the grid's order (modulo 2^64).
+    steps: Vec<usize>,
+    /// For each axis: how many steps stay inside from each place on it.
+    inside: [Vec<usize>; 3],
+}
+
+impl Ray {
+    fn new(direction: DVec3, weight: f64, size: [usize; 3]) -> Self {
+        // A unit step goes at least 1 in the sum of the axes, so no ray takes more steps than that.
+        let longest = size.iter().sum();
+        let offset = |axis: usize, step: usize| (0.5 + direction[axis] * step as f64).floor() as isize;
+        let stays = |axis: usize, from: usize, step: usize| {
+            from.checked_add_signed(offset(axis, step)).is_some_and(|place| place < size[axis])
+        };
+        let reach = |axis: usize, from: usize| (1..=longest).take_while(|&step| stays(axis, from, step)).count();
+        let inside = [0, 1, 2].map(|axis| (0..size[axis]).map(|from| reach(axis, from)).collect());
+        let [width, _, breadth] = size.map(|count| count as isize);
+        let order = |step| (offset(1, step) * breadth + offset(2, step)) * width + offset(0, step);
+        Self { weight, steps: (1..=longest).map(|step| order(step) as usize).collect(), inside }
+    }
+
+    /// The steps from a cell (x, y, z) to the grid's end.
+    fn cells_from(&self, place: [usize; 3]) -> &[usize] {
+        let count = (0..3).map(|axis| self.inside[axis][place[axis]]).fold(self.steps.len(), usize::min);
+        &self.steps[..count]
     }
 }
 

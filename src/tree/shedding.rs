@@ -1,37 +1,51 @@
 //! Shedding while the tree grows: the string is drawn, shoots in the shade are found, and what they were made of is taken out
 //! of the string, so that dead wood never branches on and costs nothing.
 
-use super::derivation::Modules;
+use super::modules::{Module, Modules};
+use super::turtle::Drawing;
 use super::{Settings, TreeError, shade, turtle};
 
 /// Years between two sheddings; a shoot outlives its light for about so long.
 const INTERVAL: u32 = 2;
 
-/// Whether shoots are shed after this step of `steps`. Counted from the first, so that a tree one year older has the same past.
-pub(super) fn due(settings: &Settings, step: u32, steps: u32) -> bool {
-    settings.shade > 0.0 && (step.is_multiple_of(INTERVAL) || step == steps)
+/// What sheds; the drawing is kept for its memory.
+pub(super) struct Shedding<'a> {
+    settings: &'a Settings,
+    drawing: Drawing,
 }
 
-/// Takes leaves in the shade out of the string, and wood that bears no leaf with everything on it. A string without any leaf
-/// is left as it is: there is nothing to tell light from shade by.
-pub(super) fn shed(modules: &mut Modules, settings: &Settings) -> Result<(), TreeError> {
-    let drawing = turtle::draw(modules, settings)?;
-    if drawing.shoots.is_empty() {
-        return Ok(());
+impl<'a> Shedding<'a> {
+    pub fn new(settings: &'a Settings) -> Self {
+        Self { settings, drawing: Drawing::default() }
     }
-    let lit = shade::lit(&drawing.shoots, &drawing.skeleton, settings.shade);
-    let alive = shade::alive(&drawing.skeleton, &drawing.shoots, &lit);
-    let mut leaf = 0;
-    let kept: Vec<bool> = (0..modules.len())
-        .map(|module| {
-            let mut kept = drawing.owners[module].is_none_or(|segment| alive[segment as usize]);
-            if modules.letters[module] == b'L' {
+
+    /// Whether shoots are shed after this step of `steps`. Counted from the first, so that a tree one year older has the same
+    /// past.
+    pub fn due(&self, step: u32, steps: u32) -> bool {
+        self.settings.shade > 0.0 && (step.is_multiple_of(INTERVAL) || step == steps)
+    }
+
+    /// Takes leaves in the shade out of the string, and wood that bears no leaf with everything on it. A string without any
+    /// leaf is left as it is: there is nothing to tell light from shade by.
+    pub fn shed(&mut self, modules: &mut Modules) -> Result<(), TreeError> {
+        let Self { settings, drawing } = self;
+        turtle::redraw(drawing, modules, settings, 1.0)?;
+        if drawing.shoots.is_empty() {
+            return Ok(());
+        }
+        let lit = shade::lit(&drawing.shoots, &drawing.skeleton, settings.shade);
+        let alive = shade::alive(&drawing.skeleton, &drawing.shoots, &lit);
+        let mut leaf = 0;
+        let mark = |(module, owner): (&Module, &Option<u32>)| {
+            let mut kept = owner.is_none_or(|segment| alive[segment as usize]);
+            if module.letter == b'L' {
                 kept &= lit[leaf];
                 leaf += 1;
             }
             kept
-        })
-        .collect();
-    modules.retain(&kept);
-    Ok(())
+        };
+        let kept: Vec<bool> = modules.list.iter().zip(&drawing.owners).map(mark).collect();
+        modules.retain(&kept);
+        Ok(())
+    }
 }

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Parameters that a module may have at most.
-const PARAMETER_LIMIT: usize = 16;
+pub(super) const PARAMETER_LIMIT: usize = 16;
 
 /// Symbols other than upper-case letters.
 const SIGNS: &str = "f+-&^\\/|$![]%{}";

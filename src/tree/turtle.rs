@@ -5,11 +5,11 @@
 //! round. `$` rolls so that L is level. `F(m)` draws, `f(m)` moves, both 1 m without an argument; `!(cm)` sets the diameter;
 //! `L(s)` is a leaf of relative size s (1 without an argument). Other upper-case letters, `{` and `}` are silent.
 
-use super::derivation::Modules;
+use super::modules::Modules;
 use super::skeleton::{Segment, Shoot, Skeleton};
 use super::{Settings, TreeError};
 use crate::base::maths::{atan2, sincos};
-use crate::base::vector::{DVec3, rotated};
+use crate::base::vector::DVec3;
 
 /// Longest segment, metres.
 const LONGEST: f64 = 1e4;
@@ -55,18 +55,18 @@ impl State {
     }
 
     /// Turns about U: H towards L.
-    fn yaw(&mut self, angle: f64) {
-        (self.heading, self.left) = turned(self.heading, self.left, angle);
+    fn yaw(&mut self, turn: (f64, f64)) {
+        (self.heading, self.left) = turned(self.heading, self.left, turn);
     }
 
     /// Turns about L: U towards H.
-    fn pitch(&mut self, angle: f64) {
-        (self.up, self.heading) = turned(self.up, self.heading, angle);
+    fn pitch(&mut self, turn: (f64, f64)) {
+        (self.up, self.heading) = turned(self.up, self.heading, turn);
     }
 
     /// Turns about H: L towards U.
-    fn roll(&mut self, angle: f64) {
-        (self.left, self.up) = turned(self.left, self.up, angle);
+    fn roll(&mut self, turn: (f64, f64)) {
+        (self.left, self.up) = turned(self.left, self.up, turn);
     }
 
     /// Takes back the rounding of many turns.
@@ -88,36 +88,87 @@ impl State {
     fn bend(&mut self, susceptibility: f64) {
         let torque = self.heading.cross(&DVec3::y());
         if let Some(axis) = torque.try_normalize(1e-12) {
-            // Never beyond the vertical: angles up to the one left.
-            let left = atan2(torque.norm(), self.heading.y);
-            let angle = (susceptibility * torque.norm()).min(left);
-            self.heading = rotated(self.heading, axis, angle);
-            self.left = rotated(self.left, axis, angle);
+            let mut angle = susceptibility * torque.norm();
+            if susceptibility > 0.9 {
+                // Never beyond the vertical: angles up to the one left. That is at least its sine, so a weak bend cannot.
+                angle = angle.min(atan2(torque.norm(), self.heading.y));
+            }
+            let turn = sincos(angle);
+            self.heading = about(self.heading, axis, turn);
+            self.left = about(self.left, axis, turn);
         }
     }
 }
 
-/// Two vectors at right angles turned in their plane, the first towards the second (radians).
-fn turned(first: DVec3, second: DVec3, angle: f64) -> (DVec3, DVec3) {
-    let (sine, cosine) = sincos(angle);
+/// `vector` turned about the unit vector `axis` (Rodrigues) by an angle of which sine and cosine are given.
+fn about(vector: DVec3, axis: DVec3, (sine, cosine): (f64, f64)) -> DVec3 {
+    vector * cosine + axis.cross(&vector) * sine + axis * (axis.dot(&vector) * (1.0 - cosine))
+}
+
+/// Two vectors at right angles turned in their plane, the first towards the second.
+fn turned(first: DVec3, second: DVec3, (sine, cosine): (f64, f64)) -> (DVec3, DVec3) {
     (first * cosine + second * sine, second * cosine - first * sine)
 }
 
-/// Follows the string. What the last step wrote is drawn as far as the last year has come.
-pub(super) fn draw(modules: &Modules, settings: &Settings) -> Result<Drawing, TreeError> {
-    let Settings { angle, tropism, .. } = *settings;
-    let (youngest, last_year) = (settings.steps(), settings.last_year());
+/// Sines and cosines of the angles met last: rules repeat most of theirs.
+struct Angles([(u64, (f64, f64)); Self::SLOTS]);
+
+impl Angles {
+    const SLOTS: usize = 64;
+
+    fn new() -> Self {
+        Self([(0, (0.0, 1.0)); Self::SLOTS])
+    }
+
+    /// Sine and cosine of an angle in degrees.
+    fn turn(&mut self, degrees: f64) -> (f64, f64) {
+        let bits = degrees.to_bits();
+        let slot = &mut self.0[(bits.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 58) as usize];
+        if slot.0 != bits {
+            *slot = (bits, sincos(degrees.to_radians()));
+        }
+        slot.1
+    }
+}
+
+/// The same turn the other way.
+fn back((sine, cosine): (f64, f64)) -> (f64, f64) {
+    (-sine, cosine)
+}
+
+/// Follows the string. What the last step wrote is drawn to the share `last_year` of its size.
+pub(super) fn draw(modules: &Modules, settings: &Settings, last_year: f64) -> Result<Drawing, TreeError> {
     let mut drawing = Drawing::default();
-    let (mut state, mut saved) = (State::start(), Vec::new());
+    redraw(&mut drawing, modules, settings, last_year)?;
+    Ok(drawing)
+}
+
+/// As [`draw`], in the place of what was drawn before.
+pub(super) fn redraw(
+    drawing: &mut Drawing,
+    modules: &Modules,
+    settings: &Settings,
+    last_year: f64,
+) -> Result<(), TreeError> {
+    let Settings { angle, tropism, .. } = *settings;
+    let youngest = settings.steps();
+    drawing.skeleton.segments.clear();
+    drawing.shoots.clear();
+    drawing.owners.clear();
+    drawing.widths = false;
+    drawing.skeleton.segments.reserve(modules.count(b'F'));
+    drawing.shoots.reserve(modules.count(b'L'));
+    drawing.owners.reserve(modules.list.len());
+    let (mut state, mut saved, mut angles) = (State::start(), Vec::new(), Angles::new());
     let mut axes = 0;
-    for module in 0..modules.len() {
-        let argument = modules.parameters(module).first().copied();
-        let radians = argument.unwrap_or(angle).to_radians();
-        match modules.letters[module] {
+    for module in &modules.list {
+        let argument = module.argument();
+        let degrees = argument.unwrap_or(angle);
+        match module.letter {
             b'F' => {
-                let birth = (modules.ids[module], modules.births[module]);
-                let grown = if birth.1 == youngest { last_year } else { 1.0 };
-                draw_segment(&mut drawing, &mut state, &mut axes, argument.unwrap_or(1.0) * grown, birth, tropism)?;
+                let birth = (module.id, module.birth);
+                let grown = if module.birth == youngest { last_year } else { 1.0 };
+                draw_segment(drawing, &mut state, &mut axes, argument.unwrap_or(1.0) * grown, birth, tropism)?;
                 if state.position.amax() > FARTHEST {
                     return Err(TreeError::Far);
                 }
@@ -128,16 +179,16 @@ pub(super) fn draw(modules: &Modules, settings: &Settings) -> Result<Drawing, Tr
                 if !(0.0..=LARGEST_LEAF).contains(&scale) {
                     return Err(TreeError::Leaf { scale });
                 }
-                let grown = if modules.births[module] == youngest { last_year } else { 1.0 };
-                drawing.shoots.push(shoot(&state, modules.ids[module], scale * grown));
+                let grown = if module.birth == youngest { last_year } else { 1.0 };
+                drawing.shoots.push(shoot(&state, module.id, scale * grown));
             }
-            b'+' => state.yaw(radians),
-            b'-' => state.yaw(-radians),
-            b'&' => state.pitch(radians),
-            b'^' => state.pitch(-radians),
-            b'\\' => state.roll(radians),
-            b'/' => state.roll(-radians),
-            b'|' => state.yaw(std::f64::consts::PI),
+            b'+' => state.yaw(angles.turn(degrees)),
+            b'-' => state.yaw(back(angles.turn(degrees))),
+            b'&' => state.pitch(angles.turn(degrees)),
+            b'^' => state.pitch(back(angles.turn(degrees))),
+            b'\\' => state.roll(angles.turn(degrees)),
+            b'/' => state.roll(back(angles.turn(degrees))),
+            b'|' => state.yaw(angles.turn(180.0)),
             b'$' => state.level(),
             b'!' => {
                 let centimetres = argument.unwrap_or(0.0);
@@ -156,7 +207,7 @@ pub(super) fn draw(modules: &Modules, settings: &Settings) -> Result<Drawing, Tr
         }
         drawing.owners.push(state.segment);
     }
-    Ok(drawing)
+    Ok(())
 }
 
 fn draw_segment(
