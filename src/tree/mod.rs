@@ -81,6 +81,8 @@ settings! {
         twig_diameter: f64 = 2.0, unit "mm", range 0.1 => 100.0;
         /// How strongly new wood bends upwards, towards the light; negative bends down.
         tropism: f64 = 0.0, unit "1/m", range -10.0 => 10.0;
+        /// How strongly branches sag in the end, half of it after ten years; young wood at their ends follows `tropism` alone.
+        sag: f64 = 0.0, unit "1/m", range 0.0 => 10.0;
         /// Length of the petiole.
         petiole: f64 = 60.0, unit "mm", range 0.0 => 500.0;
         /// Angle between a twig and its petioles.

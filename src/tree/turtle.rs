@@ -17,6 +17,8 @@ const LONGEST: f64 = 1e4;
 const FARTHEST: f64 = 1e5;
 /// Thickest wood, centimetres.
 const THICKEST: f64 = 1e4;
+/// Years after which a branch has sagged by half.
+const HALF_SAG: f64 = 10.0;
 /// Largest leaf, in mean leaves of its species.
 const LARGEST_LEAF: f64 = 1e3;
 
@@ -84,14 +86,22 @@ impl State {
         }
     }
 
+    /// How much wood of this many `years` bends down, radians a metre: the more the longer it has carried its load, and the
+    /// trunk not at all.
+    fn sag(&self, full: f64, years: u32) -> f64 {
+        let is_trunk = self.order == 0 && !(self.branches && self.segment.is_some());
+        if is_trunk { 0.0 } else { full * f64::from(years) / (f64::from(years) + HALF_SAG) }
+    }
+
     /// Bends the heading towards +Y by `susceptibility` |H x T| radians (the torque of section 2.1.1 with T = +Y).
     fn bend(&mut self, susceptibility: f64) {
         let torque = self.heading.cross(&DVec3::y());
         if let Some(axis) = torque.try_normalize(1e-12) {
             let mut angle = susceptibility * torque.norm();
-            if susceptibility > 0.9 {
+            if susceptibility.abs() > 0.9 {
                 // Never beyond the vertical: angles up to the one left. That is at least its sine, so a weak bend cannot.
-                angle = angle.min(atan2(torque.norm(), self.heading.y));
+                let left = atan2(torque.norm(), self.heading.y);
+                angle = angle.clamp(left - std::f64::consts::PI, left);
             }
             let turn = sincos(angle);
             self.heading = about(self.heading, axis, turn);
@@ -150,7 +160,7 @@ pub(super) fn redraw(
     settings: &Settings,
     last_year: f64,
 ) -> Result<(), TreeError> {
-    let Settings { angle, tropism, .. } = *settings;
+    let angle = settings.angle;
     let youngest = settings.steps();
     drawing.skeleton.segments.clear();
     drawing.shoots.clear();
@@ -168,7 +178,8 @@ pub(super) fn redraw(
             b'F' => {
                 let birth = (module.id, module.birth);
                 let grown = if module.birth == youngest { last_year } else { 1.0 };
-                draw_segment(drawing, &mut state, &mut axes, argument.unwrap_or(1.0) * grown, birth, tropism)?;
+                let pull = settings.tropism - state.sag(settings.sag, youngest.saturating_sub(module.birth));
+                draw_segment(drawing, &mut state, &mut axes, argument.unwrap_or(1.0) * grown, birth, pull)?;
                 if state.position.amax() > FARTHEST {
                     return Err(TreeError::Far);
                 }
@@ -280,6 +291,30 @@ mod tests {
         // A roll about H by the right-hand rule takes L = -X to U = +Z.
         assert!((ends("\\+F")[0] - z).norm() < 1e-12);
         assert!((ends("/+F")[0] + z).norm() < 1e-12);
+    }
+
+    #[test]
+    fn old_branches_sag_and_the_trunk_does_not() {
+        let rules = vec!["A -> F(0.5)[+(60)B]A".to_owned(), "B -> F(0.3)B".to_owned()];
+        let settings = |sag| Settings {
+            axiom: "+(10)A".to_owned(),
+            rules: rules.clone(),
+            iterations: 9,
+            sag,
+            ..Settings::default()
+        };
+        let lean = |sag| {
+            let segments = grow(&settings(sag), 1, &Limits::default()).unwrap().0.skeleton.segments;
+            let steepness = |axis: u32| segments.iter().rev().find(|s| s.axis == axis).unwrap().direction().y;
+            (steepness(0), steepness(1))
+        };
+        let ((trunk, limb), (same, sagged)) = (lean(0.0), lean(0.2));
+        assert!((trunk - same).abs() < 1e-12);
+        assert!(sagged < limb - 0.05);
+        // The first 0.3 m of the lowest limb is 7 years old: 0.2 x 7/17 x 0.3 |sin| radians.
+        let first = |sag| grow(&settings(sag), 1, &Limits::default()).unwrap().0.skeleton.segments[1].direction();
+        let angle = crate::base::maths::acos(first(0.0).dot(&first(0.2)));
+        assert!((angle - 0.06 * 7.0 / 17.0 * sin(70f64.to_radians())).abs() < 1e-9, "{angle}");
     }
 
     #[test]
