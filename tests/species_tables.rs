@@ -28,9 +28,12 @@ fn tables(name: &str) -> Tables {
     toml::from_str(&text).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
+/// The smallest and the largest value.
+type Range = [f64; 2];
+
 /// Lengths from the joint, widths (mm) and areas (cm2) between which an average leaf lies: the species' range in floras and
 /// leaf keys as named in each leaf file, areas estimated from them.
-const SIZES: [(&str, [f64; 2], [f64; 2], [f64; 2]); 11] = [
+const SIZES: [(&str, Range, Range, Range); 11] = [
     ("beech", [50.0, 100.0], [30.0, 65.0], [15.0, 40.0]),
     ("english-oak", [70.0, 140.0], [40.0, 85.0], [20.0, 45.0]),
     ("ginkgo", [40.0, 70.0], [50.0, 80.0], [15.0, 35.0]),
@@ -65,7 +68,7 @@ fn blades_are_as_large_as_those_of_their_species() {
         let (blade, _) = leaf::model(&settings, leaf::Pictures::default(), &Limits::default()).expect(name);
         let across = blade.outline.iter().map(|p| p.x);
         let found = across.clone().fold(f64::MIN, f64::max) - across.fold(f64::MAX, f64::min);
-        let within = |[low, high]: [f64; 2], value: f64| (low..=high).contains(&value);
+        let within = |[low, high]: Range, value: f64| (low..=high).contains(&value);
         assert!(within(length, settings.length), "{name}: {} mm long", settings.length);
         assert!(within(width, found * 1e3), "{name}: {} mm wide", found * 1e3);
         assert!(within(area, blade.mesh.area() * 1e4), "{name}: {} cm2", blade.mesh.area() * 1e4);
