@@ -26,11 +26,23 @@ use crate::base::limits::{Limit, Limits, Refusal};
 use crate::base::picture::Picture;
 use crate::base::settings::Complaint;
 use crate::base::vector::DVec2;
-use crate::settings;
+use crate::{choice, settings};
 use remesh::Remesh;
 use spline::Spline;
 use thiserror::Error;
 pub use trace::{Pose, Trace};
+
+choice! {
+    /// How the main veins of a blade are laid out.
+    pub enum Venation {
+        /// Palmate if at least three lobes stand out from the joint, else pinnate.
+        Auto = "auto",
+        /// One midrib with secondaries, whatever the lobes: oaks, birch, beech.
+        Pinnate = "pinnate",
+        /// Equal veins that fork again and again from the joint, no midrib: ginkgo.
+        Forking = "forking",
+    }
+}
 
 settings! {
     /// The blade's shape and its mesh.
@@ -43,6 +55,8 @@ settings! {
         mask: Option<String> = None;
         /// Length of the blade from the joint to the farthest tip, to which an outline or a scan is scaled.
         length: f64 = 75.0, unit "mm", range 1.0 => 2000.0;
+        /// How the veins are laid out when they are drawn from the outline.
+        venation: Venation = Venation::Auto;
         /// Vertices of the mesh.
         vertices: u32 = 220, range 12 => 20000;
         /// Most rounds of relocation and reconnection after triangulation; they end when the triangles have settled.
@@ -123,7 +137,7 @@ pub fn model(settings: &Settings, pictures: Pictures, limits: &Limits) -> Result
     let outline = dense(&spline, settings.length * 1e-3);
     let mesh = remesh::evened(&outline, settings.vertices as usize, settings.iterations)?;
     let figures = figures(&mesh, &outline, keys.len(), trace.as_ref());
-    let veins = veins::grown(&outline);
+    let veins = veins::grown(&outline, settings.venation);
     let mut flat = laid_out(&mesh);
     flat.greys = match pictures.mask {
         Some(picture) => flat.uvs.iter().map(|uv| scan::grey_at(picture, *uv)).collect(),

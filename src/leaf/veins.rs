@@ -1,10 +1,11 @@
 //! Veins from the outline alone: main veins from the joint to the tips of the lobes (palmate), or one midrib (pinnate);
-//! secondaries that leave them alternately at about 45 degrees and bend towards their tips; a third order between.
-//! They serve the mask and the painted textures; they are not a model of growth.
+//! secondaries that leave them alternately at about 45 degrees and bend towards their tips; a third order between. Or
+//! veins that do nothing but fork (ginkgo). They serve the mask and the painted textures; they are not a model of growth.
 
 use crate::base::blade::Vein;
-use crate::base::maths::sincos;
+use crate::base::maths::{atan2, sincos};
 use crate::base::vector::DVec2;
+use crate::leaf::Venation;
 use crate::leaf::polygon;
 
 /// Samples of the outline on which lobes are sought.
@@ -14,6 +15,9 @@ const PROMINENCE: f64 = 0.12;
 /// Widths of the thick ends as shares of the blade's size; orders go 4 : 2 : 1.
 const WIDTHS: [f64; 3] = [0.018, 0.009, 0.0045];
 
+/// How often a forking vein forks on its way to the margin: 64 ends, about a millimetre apart on a ginkgo.
+const FORKS: u32 = 6;
+
 /// A lobe: its tip and the middle between the sinuses beside it.
 struct Lobe {
     tip: DVec2,
@@ -21,11 +25,15 @@ struct Lobe {
 }
 
 /// All veins of a blade whose joint is the origin, thick ones first. `outline` is dense and counter-clockwise.
-pub fn grown(outline: &[DVec2]) -> Vec<Vein> {
+pub fn grown(outline: &[DVec2], venation: Venation) -> Vec<Vein> {
     let size = (polygon::doubled_area(outline) * 0.5).sqrt();
     let coarse = resampled(outline, LOOKS);
     let plan = Plan { outline: &coarse, size };
-    let mains = plan.mains();
+    let mains = match venation {
+        Venation::Auto => plan.mains(),
+        Venation::Pinnate => vec![plan.midrib()],
+        Venation::Forking => return plan.forking(),
+    };
     let mut veins: Vec<Vein> = mains.clone();
     for (i, main) in mains.iter().enumerate() {
         let branches = plan.branches(main, 2, &veins, i);
@@ -64,9 +72,7 @@ impl Plan<'_> {
     fn mains(&self) -> Vec<Vein> {
         let lobes = self.lobes();
         if lobes.len() < 3 {
-            let far = |p: &&DVec2| p.norm();
-            let tip = self.outline.iter().max_by(|a, b| far(a).total_cmp(&far(b))).copied().unwrap_or_default();
-            return vec![self.vein(bezier(tip * 0.5, tip), 1, 1.0)];
+            return vec![self.midrib()];
         }
         let longest = lobes.iter().map(|l| l.tip.norm()).fold(0.0, f64::max);
         let mut mains: Vec<Vein> = lobes
@@ -75,6 +81,57 @@ impl Plan<'_> {
             .collect();
         mains.sort_by(|a, b| b.width.total_cmp(&a.width));
         mains
+    }
+
+    /// One vein from the joint to the farthest point.
+    fn midrib(&self) -> Vein {
+        let far = |p: &&DVec2| p.norm();
+        let tip = self.outline.iter().max_by(|a, b| far(a).total_cmp(&far(b))).copied().unwrap_or_default();
+        self.vein(bezier(tip * 0.5, tip), 1, 1.0)
+    }
+
+    /// Veins that leave the joint side by side and fork until they meet the margin, even in width and in the angle
+    /// between their ends: the open dichotomous venation of ginkgo.
+    fn forking(&self) -> Vec<Vein> {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        // Angles from +y, where the tip lies; near the joint the margin's direction says nothing.
+        for p in self.outline.iter().filter(|p| p.norm() > 0.5 * self.size) {
+            let angle = atan2(p.x, p.y);
+            (low, high) = (low.min(angle), high.max(angle));
+        }
+        let mut veins = Vec::new();
+        self.fork(DVec2::zeros(), (low, high), FORKS, &mut veins);
+        veins
+    }
+
+    /// The vein from `start` that supplies the sector between two angles, and both its branches.
+    fn fork(&self, start: DVec2, (low, high): (f64, f64), left: u32, veins: &mut Vec<Vein>) {
+        let middle = 0.5 * (low + high);
+        let (sine, cosine) = sincos(middle);
+        let direction = DVec2::new(sine, cosine);
+        let reach = self.reach(direction);
+        // Forks come closer together outwards, so that the veins' distance stays about the same.
+        let end = if left == 0 { 1.0 } else { 1.0 - 0.93 * f64::from(left) / f64::from(FORKS) };
+        let goal = direction * (reach * end);
+        let from = start.norm() / reach;
+        let control = direction * (reach * (from + 0.5 * (end - from)).min(end));
+        let line = |t: f64| start * ((1.0 - t) * (1.0 - t)) + control * (2.0 * t * (1.0 - t)) + goal * (t * t);
+        let points: Vec<DVec2> = self.inner((0..=6).map(|i| line(f64::from(i) / 6.0)).collect());
+        let tip = points[points.len() - 1];
+        let width = WIDTHS[2] * self.size;
+        veins.push(Vein { points, width, end_width: width * 0.8, order: 3 });
+        if left > 0 {
+            self.fork(tip, (low, middle), left - 1, veins);
+            self.fork(tip, (middle, high), left - 1, veins);
+        }
+    }
+
+    /// How far the blade extends from the joint in a direction.
+    fn reach(&self, direction: DVec2) -> f64 {
+        let ahead = |p: &&DVec2| p.dot(&direction) / p.norm().max(1e-300);
+        let nearest =
+            self.outline.iter().filter(|p| p.norm() > 0.2 * self.size).max_by(|a, b| ahead(a).total_cmp(&ahead(b)));
+        nearest.map_or(self.size, |p| p.norm()) * 0.985
     }
 
     fn vein(&self, points: Vec<DVec2>, order: u8, share: f64) -> Vein {
@@ -220,7 +277,7 @@ mod tests {
     #[test]
     fn a_five_lobed_blade_has_five_mains_and_veins_stay_inside() {
         let outline = star();
-        let veins = grown(&outline);
+        let veins = grown(&outline, Venation::Auto);
         let mains: Vec<&Vein> = veins.iter().filter(|v| v.order == 1).collect();
         assert_eq!(mains.len(), 5);
         assert!(mains.iter().any(|v| v.points[24].x.abs() < 0.05 * v.points[24].y));
@@ -232,10 +289,32 @@ mod tests {
     }
 
     #[test]
+    fn a_lobed_blade_may_be_pinnate() {
+        let veins = grown(&star(), Venation::Pinnate);
+        assert_eq!(veins.iter().filter(|v| v.order == 1).count(), 1);
+    }
+
+    #[test]
+    fn forking_veins_hang_together_and_end_at_the_margin_all_round() {
+        let outline = star();
+        let veins = grown(&outline, Venation::Forking);
+        // A binary tree of FORKS forks.
+        assert_eq!(veins.len(), (2 << FORKS) - 1);
+        let starts_on_another = |vein: &&Vein| {
+            let start = vein.points[0];
+            start.norm() == 0.0 || veins.iter().any(|v| (v.points[v.points.len() - 1] - start).norm() < 1e-12)
+        };
+        assert!(veins.iter().filter(starts_on_another).count() == veins.len());
+        let ends =
+            veins.iter().map(|v| v.points[v.points.len() - 1]).filter(|p| polygon::distance(&outline, *p) < 2e-3);
+        assert!(ends.count() >= 1 << FORKS);
+    }
+
+    #[test]
     fn an_oval_blade_has_one_midrib() {
         let point = |i: u32| sincos(std::f64::consts::TAU * f64::from(i) / 600.0);
         let outline: Vec<DVec2> = (0..600).map(point).map(|(s, c)| DVec2::new(0.02 * c, 0.04 * (s + 1.0))).collect();
-        let veins = grown(&outline);
+        let veins = grown(&outline, Venation::Auto);
         assert_eq!(veins.iter().filter(|v| v.order == 1).count(), 1);
         assert!(veins.iter().filter(|v| v.order == 2).count() >= 6);
     }
