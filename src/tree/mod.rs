@@ -74,8 +74,14 @@ settings! {
         radius_exponent: f64 = 2.0, range 1.0 => 4.0;
         /// Diameter of the thinnest twigs.
         twig_diameter: f64 = 2.0, unit "mm", range 0.1 => 100.0;
-        /// How strongly new wood bends upwards, towards the light; negative bends down.
+        /// How strongly wood bends along `tropism_direction`, up to the light by default; negative bends away. A segment of m
+        /// metres turns by this times m |H x T| radians before it is drawn, H its heading and T the direction.
         tropism: f64 = 0.0, unit "1/m", range -10.0 => 10.0;
+        /// The same a segment, whatever its length: after each, the turtle turns by this times |H x T| radians. It is the
+        /// susceptibility e of "The Algorithmic Beauty of Plants", section 2.1.1.
+        segment_tropism: f64 = 0.0, unit "rad", range -10.0 => 10.0;
+        /// Where wood bends to: the light's direction, or that of gravity, [0, -1, 0]; its length is the force.
+        tropism_direction: [f64; 3] = [0.0, 1.0, 0.0], unit "1", range -10.0 => 10.0;
         /// Length of the petiole.
         petiole: f64 = 60.0, unit "mm", range 0.0 => 500.0;
         /// Angle between a twig and its petioles.
@@ -180,7 +186,7 @@ pub fn grow(settings: &Settings, seed: u64, limits: &Limits) -> Result<(Tree, Fi
     let (leaves, lengths) = (modules.count(b'L') as f64, modules.count(b'F') as f64);
     limits.allow(Limit::Leaves, "tree.rules", leaves)?;
     limits.allow(Limit::Memory, "tree.rules", lengths * LENGTH_BYTES + leaves * LEAF_BYTES)?;
-    let mut drawing = turtle::draw(&modules, settings.angle, settings.tropism)?;
+    let mut drawing = turtle::draw(&modules, settings)?;
     let symbols = modules.list.len();
     drop(modules);
     let least = settings.twig_diameter * 0.0005;

@@ -29,7 +29,7 @@ impl<'a> Shedding<'a> {
     /// leaf is left as it is: there is nothing to tell light from shade by.
     pub fn shed(&mut self, modules: &mut Modules) -> Result<(), TreeError> {
         let Self { settings, drawing } = self;
-        turtle::redraw(drawing, modules, settings.angle, settings.tropism)?;
+        turtle::redraw(drawing, modules, settings)?;
         if drawing.shoots.is_empty() {
             return Ok(());
         }
