@@ -79,8 +79,14 @@ settings! {
         radius_exponent: f64 = 2.0, range 1.0 => 4.0;
         /// Diameter of the thinnest twigs.
         twig_diameter: f64 = 2.0, unit "mm", range 0.1 => 100.0;
-        /// How strongly new wood bends upwards, towards the light; negative bends down.
+        /// How strongly wood bends along `tropism_direction`, up to the light by default; negative bends away. A segment of m
+        /// metres turns by this times m |H x T| radians before it is drawn, H its heading and T the direction.
         tropism: f64 = 0.0, unit "1/m", range -10.0 => 10.0;
+        /// The same a segment, whatever its length: after each, the turtle turns by this times |H x T| radians. It is the
+        /// susceptibility e of "The Algorithmic Beauty of Plants", section 2.1.1.
+        segment_tropism: f64 = 0.0, unit "rad", range -10.0 => 10.0;
+        /// Where wood bends to: the light's direction, or that of gravity, [0, -1, 0]; its length is the force.
+        tropism_direction: [f64; 3] = [0.0, 1.0, 0.0], unit "1", range -10.0 => 10.0;
         /// How strongly branches sag in the end, half of it after ten years; young wood at their ends follows `tropism` alone.
         sag: f64 = 0.0, unit "1/m", range 0.0 => 10.0;
         /// Length of the petiole.

@@ -93,19 +93,19 @@ impl State {
         if is_trunk { 0.0 } else { full * f64::from(years) / (f64::from(years) + HALF_SAG) }
     }
 
-    /// Bends the heading towards +Y by `susceptibility` |H x T| radians (the torque of section 2.1.1 with T = +Y).
-    fn bend(&mut self, susceptibility: f64) {
-        let torque = self.heading.cross(&DVec3::y());
+    /// Bends the heading towards T by `susceptibility` |H x T| radians: the torque of section 2.1.1.
+    fn bend(&mut self, susceptibility: f64, direction: DVec3) {
+        let torque = self.heading.cross(&direction);
         if let Some(axis) = torque.try_normalize(1e-12) {
             let mut angle = susceptibility * torque.norm();
-            if susceptibility.abs() > 0.9 {
-                // Never beyond the vertical: angles up to the one left. That is at least its sine, so a weak bend cannot.
-                let left = atan2(torque.norm(), self.heading.y);
-                angle = angle.clamp(left - std::f64::consts::PI, left);
+            if angle > 0.9 * torque.norm() / direction.norm() {
+                // Never beyond T: angles up to the one left. That is at least its sine, so a weak bend cannot.
+                angle = angle.min(atan2(torque.norm(), self.heading.dot(&direction)));
             }
             let turn = sincos(angle);
             self.heading = about(self.heading, axis, turn);
             self.left = about(self.left, axis, turn);
+            self.up = about(self.up, axis, turn);
         }
     }
 }
@@ -160,7 +160,6 @@ pub(super) fn redraw(
     settings: &Settings,
     last_year: f64,
 ) -> Result<(), TreeError> {
-    let angle = settings.angle;
     let youngest = settings.steps();
     drawing.skeleton.segments.clear();
     drawing.shoots.clear();
@@ -173,13 +172,13 @@ pub(super) fn redraw(
     let mut axes = 0;
     for module in &modules.list {
         let argument = module.argument();
-        let degrees = argument.unwrap_or(angle);
+        let degrees = argument.unwrap_or(settings.angle);
         match module.letter {
             b'F' => {
                 let birth = (module.id, module.birth);
-                let grown = if module.birth == youngest { last_year } else { 1.0 };
-                let pull = settings.tropism - state.sag(settings.sag, youngest.saturating_sub(module.birth));
-                draw_segment(drawing, &mut state, &mut axes, argument.unwrap_or(1.0) * grown, birth, pull)?;
+                let length = argument.unwrap_or(1.0) * if module.birth == youngest { last_year } else { 1.0 };
+                let sag = state.sag(settings.sag, youngest.saturating_sub(module.birth));
+                draw_segment(drawing, &mut state, &mut axes, (length, sag), birth, settings)?;
                 if state.position.amax() > FARTHEST {
                     return Err(TreeError::Far);
                 }
@@ -225,9 +224,9 @@ fn draw_segment(
     drawing: &mut Drawing,
     state: &mut State,
     axes: &mut u32,
-    length: f64,
+    (length, sag): (f64, f64),
     (id, birth): (u64, u32),
-    tropism: f64,
+    settings: &Settings,
 ) -> Result<(), TreeError> {
     if !(0.0..=LONGEST).contains(&length) {
         return Err(TreeError::Length { metres: length });
@@ -235,8 +234,12 @@ fn draw_segment(
     if length == 0.0 {
         return Ok(());
     }
-    if tropism != 0.0 {
-        state.bend(tropism * length);
+    let direction = DVec3::from(settings.tropism_direction);
+    if settings.tropism != 0.0 {
+        state.bend(settings.tropism * length, direction);
+    }
+    if sag != 0.0 {
+        state.bend(sag * length, -DVec3::y());
     }
     state.orthonormalise();
     if state.branches {
@@ -249,6 +252,9 @@ fn draw_segment(
     state.segment = Some(drawing.skeleton.segments.len() as u32);
     state.position = end;
     drawing.skeleton.segments.push(Segment { id, parent, axis, order, start, end, birth, radius });
+    if settings.segment_tropism != 0.0 {
+        state.bend(settings.segment_tropism, direction);
+    }
     Ok(())
 }
 
@@ -263,7 +269,6 @@ mod tests {
     use super::*;
     use crate::base::limits::Limits;
     use crate::base::maths::{cos, sin};
-    use std::collections::BTreeMap;
 
     fn ends(axiom: &str) -> Vec<DVec3> {
         let settings = Settings { axiom: axiom.to_owned(), iterations: 0, angle: 90.0, ..Settings::default() };
@@ -326,63 +331,24 @@ mod tests {
         assert!((end(10.0) - DVec3::y() * 0.5).norm() < 1e-12);
     }
 
-    /// Figure 2.6 a of the book: Honda's monopodial tree.
-    fn honda(iterations: u32) -> Settings {
-        let constants = [("r1", 0.9), ("r2", 0.6), ("a0", 45.0), ("a2", 45.0), ("d", 137.5), ("wr", 0.707)];
-        let rules = [
-            "A(l,w) -> !(w)F(l)[&(a0)B(l*r2,w*wr)]/(d)A(l*r1,w*wr)",
-            "B(l,w) -> !(w)F(l)[-(a2)$C(l*r2,w*wr)]C(l*r1,w*wr)",
-            "C(l,w) -> !(w)F(l)[+(a2)$B(l*r2,w*wr)]B(l*r1,w*wr)",
-        ];
-        Settings {
-            axiom: "A(1,10)".to_owned(),
-            rules: rules.map(str::to_owned).to_vec(),
-            constants: constants.map(|(name, value)| (name.to_owned(), value)).into_iter().collect::<BTreeMap<_, _>>(),
-            iterations,
-            ..Settings::default()
-        }
-    }
-
-    /// The same tree by recursion with matrices whose columns are H, L and U.
-    fn recurse(kind: char, base: DVec3, frame: crate::base::vector::DMat3, l: f64, left: u32, ends: &mut Vec<DVec3>) {
-        use crate::base::vector::DMat3;
-        if left == 0 {
-            return;
-        }
-        let end = base + frame.column(0) * l;
-        ends.push(end);
-        let (c, s) = (cos(45f64.to_radians()), sin(45f64.to_radians()));
-        let about_up = |s: f64| DMat3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0);
-        let pitch = DMat3::new(c, 0.0, s, 0.0, 1.0, 0.0, -s, 0.0, c);
-        let (rc, rs) = (cos(137.5f64.to_radians()), sin(137.5f64.to_radians()));
-        let roll = DMat3::new(1.0, 0.0, 0.0, 0.0, rc, rs, 0.0, -rs, rc);
-        let level = |frame: DMat3| {
-            let heading = frame.column(0).into_owned();
-            let left = DVec3::y().cross(&heading).normalize();
-            DMat3::from_columns(&[heading, left, heading.cross(&left)])
-        };
-        let (lateral, next, inner, outer) = match kind {
-            'A' => ('B', 'A', frame * pitch, frame * roll),
-            'B' => ('C', 'C', level(frame * about_up(-s)), frame),
-            _ => ('B', 'B', level(frame * about_up(s)), frame),
-        };
-        recurse(lateral, end, inner, l * 0.6, left - 1, ends);
-        recurse(next, end, outer, l * 0.9, left - 1, ends);
-    }
-
     #[test]
-    fn hondas_tree_has_its_segments_and_end_points() {
-        let (tree, figures) = grow(&honda(10), 1, &Limits::default()).unwrap();
-        assert_eq!(tree.skeleton.segments.len(), (1 << 10) - 1);
-        assert_eq!(figures.values["segments"], 1023);
-        let frame = crate::base::vector::DMat3::from_columns(&[DVec3::y(), -DVec3::x(), DVec3::z()]);
-        let mut wanted = Vec::new();
-        recurse('A', DVec3::zeros(), frame, 1.0, 10, &mut wanted);
-        for (segment, wanted) in tree.skeleton.segments.iter().zip(&wanted) {
-            assert!((segment.end - wanted).norm() < 1e-6);
+    fn bending_a_segment_at_a_time_has_a_direction_and_does_not_depend_on_length() {
+        let grown = |length: f64, segment_tropism, tropism_direction| {
+            let axiom = format!("+(90)F({length})F(1)");
+            let settings = Settings { axiom, iterations: 0, segment_tropism, tropism_direction, ..Settings::default() };
+            let segments = grow(&settings, 1, &Limits::default()).unwrap().0.skeleton.segments;
+            assert!((segments[0].direction() + DVec3::x()).norm() < 1e-12);
+            segments[1].direction()
+        };
+        for length in [0.1, 3.0] {
+            let down = grown(length, 0.3, [0.0, -1.0, 0.0]);
+            assert!((down - DVec3::new(-cos(0.3), -sin(0.3), 0.0)).norm() < 1e-12);
+            assert!((grown(length, -0.3, [0.0, 1.0, 0.0]) - down).norm() < 1e-12);
+            // twice the force, a slant of 30 degrees
+            let slant = [-2.0 * cos(0.5), 0.0, 2.0 * sin(0.5)];
+            let turn = 0.2 * 2.0 * sin(0.5);
+            assert!((grown(length, 0.2, slant) - DVec3::new(-cos(turn), 0.0, sin(turn))).norm() < 1e-12);
+            assert!((grown(length, 9.0, slant) - DVec3::new(-cos(0.5), 0.0, sin(0.5))).norm() < 1e-12);
         }
-        let widths = tree.skeleton.segments.iter().map(|segment| segment.radius);
-        assert!((widths.fold(1.0, f64::min) - 0.05 * crate::base::maths::pow(0.707, 9.0)).abs() < 1e-12);
-        assert_eq!((tree.bark.check(), tree.twigs.check()), (Ok(()), Ok(())));
     }
 }
