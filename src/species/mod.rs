@@ -1,25 +1,47 @@
 //! The built-in species: TOML that stands in the program, a file for each stage, together of the same form as a user's
-//! species file. They hold settings of the stages and nothing else.
+//! species file. They hold settings of the stages and nothing else. Species that branch alike share the rules of a habit;
+//! their `tree` files add the figures to it.
 
 use serde::Deserialize;
 
+/// A species' text: its heading, the rules of its habit of growth with its own figures, and the tables of the other stages.
+macro_rules! species {
+    ($name:literal grows $habit:literal) => {
+        (
+            $name,
+            concat!(
+                include_str!(concat!($name, ".toml")),
+                "\n[tree]\n",
+                include_str!(concat!("habit/", $habit, ".toml")),
+                "\n",
+                include_str!(concat!($name, ".tree.toml")),
+                "\n",
+                include_str!(concat!($name, ".leaf.toml")),
+                "\n",
+                include_str!(concat!($name, ".deform.toml")),
+                "\n",
+                include_str!(concat!($name, ".season.toml")),
+                "\n",
+                include_str!(concat!($name, ".colour.toml")),
+            ),
+        )
+    };
+}
+
 /// Name and text of each, sorted by name.
-const BUILT_IN: [(&str, &str); 1] = [(
-    "red-maple",
-    concat!(
-        include_str!("red-maple.toml"),
-        "\n",
-        include_str!("red-maple.tree.toml"),
-        "\n",
-        include_str!("red-maple.leaf.toml"),
-        "\n",
-        include_str!("red-maple.deform.toml"),
-        "\n",
-        include_str!("red-maple.season.toml"),
-        "\n",
-        include_str!("red-maple.colour.toml"),
-    ),
-)];
+const BUILT_IN: [(&str, &str); 11] = [
+    species!("beech" grows "alternate"),
+    species!("english-oak" grows "clustered"),
+    species!("ginkgo" grows "short-shoots"),
+    species!("japanese-maple" grows "decussate"),
+    species!("norway-maple" grows "decussate"),
+    species!("quaking-aspen" grows "alternate"),
+    species!("red-maple" grows "decussate"),
+    species!("red-oak" grows "clustered"),
+    species!("silver-birch" grows "alternate"),
+    species!("sugar-maple" grows "decussate"),
+    species!("sweetgum" grows "alternate"),
+];
 
 /// The names of the built-in species, sorted.
 pub fn names() -> impl Iterator<Item = &'static str> {

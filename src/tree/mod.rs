@@ -278,8 +278,15 @@ mod tests {
         tree: Settings,
     }
 
+    const RED_MAPLE: &str = concat!(
+        "[tree]\n",
+        include_str!("../species/habit/decussate.toml"),
+        "\n",
+        include_str!("../species/red-maple.tree.toml"),
+    );
+
     fn red_maple() -> Settings {
-        toml::from_str::<File>(include_str!("../species/red-maple.tree.toml")).unwrap().tree
+        toml::from_str::<File>(RED_MAPLE).unwrap().tree
     }
 
     /// Open-grown red maples as an experienced eye expects them, each range widened by a fifth: age, height (m), thousands of
