@@ -18,6 +18,11 @@ pub(super) struct Module {
 }
 
 impl Module {
+    /// How many parameters it has.
+    pub fn count(&self) -> usize {
+        usize::from(self.count)
+    }
+
     /// The first parameter, if it has any.
     pub fn argument(&self) -> Option<f64> {
         (self.count > 0).then_some(self.argument)
