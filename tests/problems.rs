@@ -275,8 +275,8 @@ fn a_scene_with_an_l_system_of_its_own_needs_no_species() {
     refuse("[tree]\naxiom = \"A\"\n", &[], &["scene.toml:1:1: error: the scene names no species"]);
 }
 
-/// The messages for one rule of an L-system, when the scene is read or, if it reads well, when its plan is made; in column 10
-/// of the third line the rule's text begins.
+/// The messages for one rule of an L-system, when the scene is read or, if it reads well, when its plan is made; the
+/// rule's text begins in column 11 of the third line.
 fn rule_faults(rule: &str) -> (Vec<String>, u8) {
     let text = format!("[tree]\naxiom = \"A(1)\"\nrules = [\"{rule}\"]\n");
     let faults = match read(&text, &[]) {
@@ -301,7 +301,7 @@ fn faults_of_rules_are_told_at_their_column() {
         ("A(l) -> F(l)A", "3:23: error: `A` has 0 parameters; it takes 1"),
         ("A(l) -> F(l,2)A(l)", "3:19: error: `F` has 2 parameters; it takes 0 to 1"),
         ("A(l) F(m) -> F(l)", "3:16: error: `->` is missing here; a rule rewrites one symbol"),
-        ("A(l,m) < A(l) -> F(l)", "3:21: error: `l` stands here twice"),
+        ("A(l,m) < A(l) -> F(l)", "3:22: error: `l` stands here twice"),
         ("A(k,m) < A(l) -> F(l)", "3:11: error: `A` cannot have 2 parameters; it takes 1"),
         ("[ < A(l) -> F(l)", "3:11: error: `[` cannot be rewritten or looked for"),
         ("A(l) > -> F(l)", "3:18: error: a symbol is missing here"),

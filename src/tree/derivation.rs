@@ -62,6 +62,8 @@ struct Rewriter<'a> {
     /// Where the neighbours stand that the rule at hand looks at, and all parameters that it may read.
     places: Vec<usize>,
     seen: Vec<f64>,
+    /// Which symbols no rule rewrites and no branch begins or ends with.
+    inert: [bool; 128],
     /// The length of the string at which the limits are looked at again.
     room: usize,
     step: u32,
@@ -72,6 +74,7 @@ struct Rewriter<'a> {
 
 impl<'a> Rewriter<'a> {
     fn new(grammar: &'a Grammar, seed: u64, limits: &'a Limits) -> Self {
+        let inert = |letter: usize| grammar.by_letter[letter].is_empty() && !matches!(letter as u8, b'[' | b']' | b'%');
         Self {
             grammar,
             limits,
@@ -85,6 +88,7 @@ impl<'a> Rewriter<'a> {
             cut: None,
             places: Vec::new(),
             seen: Vec::new(),
+            inert: std::array::from_fn(inert),
             room: 0,
             step: 0,
             steps: 0,
@@ -100,6 +104,10 @@ impl<'a> Rewriter<'a> {
         self.open.clear();
         self.room = 0;
         for (index, module) in last.iter().enumerate() {
+            if self.inert[usize::from(module.letter)] && self.cut.is_none() && self.next.list.len() < self.room {
+                self.keep_inert(module);
+                continue;
+            }
             self.done = (index + 1, last.len());
             let rule = if self.grammar.by_letter[usize::from(module.letter)].is_empty() {
                 None
@@ -179,6 +187,7 @@ impl<'a> Rewriter<'a> {
     }
 
     /// The value of a program of a rule (`None` for the axiom) that rewrites `module`.
+    #[inline]
     fn evaluate(&mut self, program: &Program, rule: Option<usize>, module: Option<&Module>) -> Result<f64, TreeError> {
         let looks = rule.is_some_and(|number| self.grammar.rules[number].looks());
         let parameters = match module {
@@ -199,14 +208,34 @@ impl<'a> Rewriter<'a> {
         if !self.enter(template.letter)? {
             return Ok(());
         }
-        let mut values = [0.0; PARAMETER_LIMIT];
-        for (value, parameter) in values.iter_mut().zip(&template.parameters) {
-            *value = self.evaluate(parameter, rule, module)?;
-        }
         let id = hash(module.map_or(0, |module| module.id), template.key);
-        self.next.push(template.letter, id, self.step, &values[..template.parameters.len()]);
+        match &template.parameters[..] {
+            [] => self.next.push(template.letter, id, self.step, &[]),
+            [parameter] => {
+                let value = self.evaluate(parameter, rule, module)?;
+                self.next.push(template.letter, id, self.step, &[value]);
+            }
+            parameters => {
+                let mut values = [0.0; PARAMETER_LIMIT];
+                for (value, parameter) in values.iter_mut().zip(parameters) {
+                    *value = self.evaluate(parameter, rule, module)?;
+                }
+                self.next.push(template.letter, id, self.step, &values[..parameters.len()]);
+            }
+        }
         self.leave(template.letter);
         Ok(())
+    }
+
+    /// As [`Self::keep`], for a symbol that needs no account of brackets nor a look at the limits.
+    #[inline]
+    fn keep_inert(&mut self, module: &Module) {
+        self.next.list.push(*module);
+        if self.grammar.lasting[usize::from(module.letter)]
+            && let Some(open) = self.open.last_mut()
+        {
+            open.lasting = true;
+        }
     }
 
     fn keep(&mut self, module: &Module) -> Result<(), TreeError> {
