@@ -12,13 +12,16 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Scenes under `scenes/golden/` and what would break each.
+/// Scenes under `scenes/golden/`, or small pictures of those under `scenes/`, and what would break each.
 const PICTURES: &[(&str, &str)] = &[
     ("maple", "anything that changes the look of a whole tree in autumn"),
     ("winter", "wood: branching, radii, bark, shadow on the ground"),
     ("fork", "the joint of a limb seen near: collar, smooth sides, bark's scale"),
     ("shoot", "a current shoot: leaves on petioles, opposite pairs, two-sided light"),
     ("leaf_red", "one blade: outline, curl, veins and colour of a red leaf"),
+    ("abop-monopodial", "Honda's tree: turns, brackets and `$` of the turtle, wood without leaves"),
+    ("abop-sympodial", "the tree of Aono and Kunii: the same with every apex ending in a fork"),
+    ("abop-ternary", "rules on F and `!`, and wood that bends by its weight"),
     ("leaf_backlit", "light through a blade: transmission, veins against the sun"),
 ];
 
@@ -40,9 +43,13 @@ fn blessed(name: &str) -> bool {
     std::env::var("LEAFSEASON_BLESS").is_ok_and(|wanted| wanted == "all" || wanted == name)
 }
 
+/// What a scene that is not made for it needs to become a small picture.
+const SMALL: [&str; 4] = ["image.width=120", "image.height=120", "image.samples=8", "light.shadow_size=1024"];
+
 fn read_scene(name: &str) -> scene::Scene {
-    let path = root().join("scenes/golden").join(format!("{name}.toml"));
-    scene::read(&path, &[], &[], &Limits::default()).unwrap_or_else(|fault| panic!("{name}: {fault}")).0
+    let (own, shown) = (root().join(format!("scenes/golden/{name}.toml")), root().join(format!("scenes/{name}.toml")));
+    let (path, sets) = if own.exists() { (own, Vec::new()) } else { (shown, SMALL.map(str::to_owned).to_vec()) };
+    scene::read(&path, &sets, &[], &Limits::default()).unwrap_or_else(|fault| panic!("{name}: {fault}")).0
 }
 
 fn rendered(name: &str) -> Picture {

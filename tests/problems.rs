@@ -3,6 +3,7 @@
 use leafseason::base::diagnostic::{Diagnostic, Diagnostics, Fault};
 use leafseason::base::limits::{Limit, Limits};
 use leafseason::base::message::render;
+use leafseason::run::{self, Options};
 use leafseason::scene::{self, Scene};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -272,6 +273,47 @@ fn a_scene_with_an_l_system_of_its_own_needs_no_species() {
     let scene = read("[tree]\naxiom = \"A\"\nrules = [\"A -> F\"]\n", &[]).unwrap();
     assert_eq!((scene.species, scene.tree.axiom.as_str()), (None, "A"));
     refuse("[tree]\naxiom = \"A\"\n", &[], &["scene.toml:1:1: error: the scene names no species"]);
+}
+
+/// The messages for one rule of an L-system, when the scene is read or, if it reads well, when its plan is made; the
+/// rule's text begins in column 11 of the third line.
+fn rule_faults(rule: &str) -> (Vec<String>, u8) {
+    let text = format!("[tree]\naxiom = \"A(1)\"\nrules = [\"{rule}\"]\n");
+    let faults = match read(&text, &[]) {
+        Err(list) => Diagnostics(list),
+        Ok(scene) => run::plan(&scene, &Options::default()).unwrap_err(),
+    };
+    (messages(&faults.0), faults.exit_code())
+}
+
+#[test]
+fn faults_of_rules_are_told_at_their_column() {
+    let cases = [
+        ("A(l) -> F(l)[+(30)A(l)", "3:23: error: `[` has no `]`"),
+        ("A(l) -> F(l)]A(l)", "3:23: error: `]` has no `[`"),
+        ("A(l) -> F(l)#A(l)", "3:23: error: `#` is not a symbol"),
+        ("A(l) -> F(q)A(l)", "3:21: error: `q` is not known; known here: l, age"),
+        ("A(l) -> F(foo(l))A(l)", "3:21: error: there is no function `foo`"),
+        ("A(l) -> F(l/0)A(l)", "3:21: error: division by zero"),
+        ("A(l) -> F(l)A(1/(l-1))", "3:25: error: a value of this expression is not a number"),
+        ("A(l) : ln(0-l) > 1 -> F(l)", "3:18: error: a value of this expression is not a number"),
+        ("A(l) : * : sqrt(0-l) -> F(l)", "3:22: error: a value of this expression is not a number"),
+        ("A(l) -> F(l)A", "3:23: error: `A` has 0 parameters; it takes 1"),
+        ("A(l) -> F(l,2)A(l)", "3:19: error: `F` has 2 parameters; it takes 0 to 1"),
+        ("A(l) F(m) -> F(l)", "3:16: error: `->` is missing here; a rule rewrites one symbol"),
+        ("A(l,m) < A(l) -> F(l)", "3:22: error: `l` stands here twice"),
+        ("A(k,m) < A(l) -> F(l)", "3:11: error: `A` cannot have 2 parameters; it takes 1"),
+        ("[ < A(l) -> F(l)", "3:11: error: `[` cannot be rewritten or looked for"),
+        ("A(l) > -> F(l)", "3:18: error: a symbol is missing here"),
+    ];
+    for (rule, expected) in cases {
+        let (found, code) = rule_faults(rule);
+        assert!(found[0].starts_with(&format!("scene.toml:{expected}")), "{rule}: {found:#?}");
+        assert_eq!((found.len(), code), (1, 3), "{rule}: {found:#?}");
+    }
+    let (bomb, code) = rule_faults("A(l) -> A(l)A(l)A(l)A(l)A(l)A(l)A(l)A(l)A(l)A(l)");
+    assert!(bomb[0].starts_with("scene.toml:3:9: error: tree.rules needs 10000000000 symbols"), "{bomb:#?}");
+    assert_eq!(code, 6);
 }
 
 #[test]

@@ -12,7 +12,7 @@ const ALTERNATIVES: [(&str, &[&[&str]]); 3] = [
 
 /// What describes growth: an L-system of the scene's own takes all of it away from the species, whose constants and age
 /// belong to other rules.
-const GROWTH: [&str; 7] = ["age", "height", "axiom", "rules", "constants", "iterations", "angle"];
+const GROWTH: [&str; 8] = ["age", "height", "axiom", "rules", "ignored", "constants", "iterations", "angle"];
 
 /// Lays `above` over `below`.
 pub fn lay(below: &mut Value, above: Value) {

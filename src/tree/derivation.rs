@@ -1,9 +1,10 @@
 //! Derivation: all modules are rewritten in parallel, once a step, as in Prusinkiewicz and Lindenmayer, "The Algorithmic
-//! Beauty of Plants" (1990), chapter 1. Context-free.
+//! Beauty of Plants" (1990), chapter 1.
 //!
 //! Every module has an identity, the hash of its parent's identity and its key among its siblings. It does not depend on
 //! where the module stands in the string or on how many steps follow, so a leaf keeps its id when the tree grows older.
 
+use super::context;
 use super::draws::Draws;
 use super::expression::{Program, Scope};
 use super::grammar::Grammar;
@@ -58,8 +59,11 @@ struct Rewriter<'a> {
     open: Vec<Open>,
     /// Depth below the branch that `%` cut off, while it is being left out.
     cut: Option<usize>,
-    /// Which symbols are drawn, or can become something that is.
-    lasting: [bool; 128],
+    /// Where the neighbours stand that the rule at hand looks at, and all parameters that it may read.
+    places: Vec<usize>,
+    seen: Vec<f64>,
+    /// Which symbols no rule rewrites and no branch begins or ends with.
+    inert: [bool; 128],
     /// The length of the string at which the limits are looked at again.
     room: usize,
     step: u32,
@@ -70,9 +74,7 @@ struct Rewriter<'a> {
 
 impl<'a> Rewriter<'a> {
     fn new(grammar: &'a Grammar, seed: u64, limits: &'a Limits) -> Self {
-        let lasting = std::array::from_fn(|letter| {
-            matches!(letter as u8, b'F' | b'f' | b'L') || !grammar.by_letter[letter].is_empty()
-        });
+        let inert = |letter: usize| grammar.by_letter[letter].is_empty() && !matches!(letter as u8, b'[' | b']' | b'%');
         Self {
             grammar,
             limits,
@@ -84,7 +86,9 @@ impl<'a> Rewriter<'a> {
             last: Vec::new(),
             open: Vec::new(),
             cut: None,
-            lasting,
+            places: Vec::new(),
+            seen: Vec::new(),
+            inert: std::array::from_fn(inert),
             room: 0,
             step: 0,
             steps: 0,
@@ -100,12 +104,16 @@ impl<'a> Rewriter<'a> {
         self.open.clear();
         self.room = 0;
         for (index, module) in last.iter().enumerate() {
+            if self.inert[usize::from(module.letter)] && self.cut.is_none() && self.next.list.len() < self.room {
+                self.keep_inert(module);
+                continue;
+            }
             self.done = (index + 1, last.len());
             let rule = if self.grammar.by_letter[usize::from(module.letter)].is_empty() {
                 None
             } else {
                 self.draws = Draws::new(self.seed, module.id, step);
-                self.choose(module)?
+                self.choose(&last, index)?
             };
             match rule {
                 Some(rule) => self.apply(rule, module)?,
@@ -125,13 +133,13 @@ impl<'a> Rewriter<'a> {
         Ok(())
     }
 
-    /// The number of the rule that rewrites the module, if any does.
-    fn choose(&mut self, module: &Module) -> Result<Option<usize>, TreeError> {
-        let grammar = self.grammar;
+    /// The number of the rule that rewrites the module at `index` of the last string, if any does.
+    fn choose(&mut self, last: &[Module], index: usize) -> Result<Option<usize>, TreeError> {
+        let (grammar, module) = (self.grammar, &last[index]);
         self.weighted.clear();
         for &number in &grammar.by_letter[usize::from(module.letter)] {
             let rule: &Rule = &grammar.rules[number];
-            if rule.weight.is_none() && !self.weighted.is_empty() {
+            if rule.weight.is_none() && !self.weighted.is_empty() || rule.looks() && !self.look(rule, last, index) {
                 continue;
             }
             let holds = match &rule.condition {
@@ -152,18 +160,41 @@ impl<'a> Rewriter<'a> {
             return Ok(None);
         }
         let mut left = self.draws.choice() * total;
-        for &(rule, weight) in &self.weighted {
-            left -= weight;
-            if left < 0.0 {
-                return Ok(Some(rule));
-            }
+        let drawn = self.weighted.iter().find(|choice| {
+            left -= choice.1;
+            left < 0.0
+        });
+        let last_resort = || self.weighted.iter().rfind(|choice| choice.1 > 0.0);
+        let rule = drawn.or_else(last_resort).map(|choice| choice.0);
+        if let Some(rule) = rule.map(|rule| &grammar.rules[rule]).filter(|rule| rule.looks()) {
+            self.look(rule, last, index); // others have looked since
         }
-        Ok(self.weighted.iter().rfind(|choice| choice.1 > 0.0).map(|choice| choice.0))
+        Ok(rule)
+    }
+
+    /// Whether the module has the neighbours that the rule names; their parameters are ready for its programs then.
+    fn look(&mut self, rule: &Rule, last: &[Module], index: usize) -> bool {
+        if !context::found(rule, last, index, &self.grammar.ignored, &mut self.places) {
+            return false;
+        }
+        self.seen.clear();
+        let (left, right) = self.places.split_at(rule.left.len());
+        let patterns = rule.left.iter().chain([&rule.own]).chain(&rule.right);
+        for (pattern, &place) in patterns.zip(left.iter().chain([&index]).chain(right)) {
+            self.seen.extend_from_slice(&self.next.parameters(&last[place])[..pattern.arity]);
+        }
+        true
     }
 
     /// The value of a program of a rule (`None` for the axiom) that rewrites `module`.
+    #[inline]
     fn evaluate(&mut self, program: &Program, rule: Option<usize>, module: Option<&Module>) -> Result<f64, TreeError> {
-        let parameters = module.map_or(&[][..], |module| self.next.parameters(module));
+        let looks = rule.is_some_and(|number| self.grammar.rules[number].looks());
+        let parameters = match module {
+            Some(_) if looks => &self.seen,
+            Some(module) => self.next.parameters(module),
+            None => &[],
+        };
         let age = f64::from(self.step);
         let mut scope = Scope { parameters, age, draws: &mut self.draws, stack: &mut self.stack };
         program.evaluate(&mut scope).map_err(|within| {
@@ -177,14 +208,34 @@ impl<'a> Rewriter<'a> {
         if !self.enter(template.letter)? {
             return Ok(());
         }
-        let mut values = [0.0; PARAMETER_LIMIT];
-        for (value, parameter) in values.iter_mut().zip(&template.parameters) {
-            *value = self.evaluate(parameter, rule, module)?;
-        }
         let id = hash(module.map_or(0, |module| module.id), template.key);
-        self.next.push(template.letter, id, self.step, &values[..template.parameters.len()]);
+        match &template.parameters[..] {
+            [] => self.next.push(template.letter, id, self.step, &[]),
+            [parameter] => {
+                let value = self.evaluate(parameter, rule, module)?;
+                self.next.push(template.letter, id, self.step, &[value]);
+            }
+            parameters => {
+                let mut values = [0.0; PARAMETER_LIMIT];
+                for (value, parameter) in values.iter_mut().zip(parameters) {
+                    *value = self.evaluate(parameter, rule, module)?;
+                }
+                self.next.push(template.letter, id, self.step, &values[..parameters.len()]);
+            }
+        }
         self.leave(template.letter);
         Ok(())
+    }
+
+    /// As [`Self::keep`], for a symbol that needs no account of brackets nor a look at the limits.
+    #[inline]
+    fn keep_inert(&mut self, module: &Module) {
+        self.next.list.push(*module);
+        if self.grammar.lasting[usize::from(module.letter)]
+            && let Some(open) = self.open.last_mut()
+        {
+            open.lasting = true;
+        }
     }
 
     fn keep(&mut self, module: &Module) -> Result<(), TreeError> {
@@ -247,7 +298,7 @@ impl<'a> Rewriter<'a> {
             }
             closed.lasting
         } else {
-            self.lasting[usize::from(letter)]
+            self.grammar.lasting[usize::from(letter)]
         };
         if let Some(open) = self.open.last_mut() {
             open.lasting |= lasting;
@@ -297,6 +348,38 @@ mod tests {
         let (drawn, ids) = count(&rules);
         assert!((drawn as f64 / 4096.0 - 0.25).abs() < 0.03, "{drawn}");
         assert_eq!(count(&["B : n < 13 -> BB", "C -> F", "B : * : 1 -> X", "B : * : 3 -> Y"]), (drawn, ids));
+    }
+
+    /// The strings of Figure 1.30: a signal that runs up a branch, and one that runs down.
+    #[test]
+    fn signals_run_acropetally_and_basipetally() {
+        let acropetal = ["J[+I]I[-I]I[+I]I", "J[+J]J[-I]I[+I]I", "J[+J]J[-J]J[+I]I", "J[+J]J[-J]J[+J]J"];
+        let basipetal = ["I[+I]I[-I]I[+I]J", "I[+I]I[-I]J[+I]J", "I[+I]J[-I]J[+I]J", "J[+I]J[-I]J[+I]J"];
+        for (strings, rule) in [(acropetal, "J < I -> J"), (basipetal, "I > J -> J")] {
+            for (steps, wanted) in strings.into_iter().enumerate() {
+                assert_eq!(text(&derived(strings[0], &[rule], steps as u32)), wanted);
+            }
+        }
+    }
+
+    #[test]
+    fn neighbours_give_their_parameters() {
+        // Both neighbours over turns and side branches; the nearest of two on the left.
+        let rules = ["P(a)Q(b) < A(x) > R(c) : c > a -> F(a+10*b+100*x+1000*c)", "A(x) -> F(0)"];
+        let lengths = |axiom: &str| {
+            let modules = derived(axiom, &rules, 1);
+            let lengths = modules.list.iter().filter(|module| module.letter == b'F').map(Module::argument);
+            lengths.flatten().collect::<Vec<_>>()
+        };
+        assert_eq!(lengths("P(1)+Q(2)[-(3)R(9)]A(3)[&Q(7)]/R(4)"), [4321.0]);
+        assert_eq!(lengths("P(1)[Q(2)[A(3)R(4)]R(1)]"), [4321.0]);
+        assert_eq!(lengths("P(1)Q(2)A(3)R(1)"), [0.0], "the condition fails");
+        assert_eq!(lengths("P(1)Q(2)[A(3)]R(4)"), [0.0], "the branch ends before R");
+        assert_eq!(lengths("P(1)[Q(2)]A(3)R(4)"), [0.0], "Q carries nothing");
+        assert_eq!(lengths("P(1)Q(2,3)A(3)R(4)"), [0.0], "this Q has another number of parameters");
+        // The drawn one of several weighted rules reads its own neighbours' parameters.
+        let rules = ["P(a) < A > R(c) : * : 1 -> F(a)", "A > R(c) : * : 0 -> F(c)"];
+        assert_eq!(derived("P(1)AR(2)", &rules, 1).list[1].argument(), Some(1.0));
     }
 
     #[test]

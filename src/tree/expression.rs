@@ -141,6 +141,11 @@ impl Program {
     pub fn evaluate(&self, scope: &mut Scope<'_>) -> Result<f64, Range<usize>> {
         match self.ops[..] {
             [Op::Literal(value)] => Ok(value),
+            // The commonest programs, `l > 0.1` and `l*0.9`.
+            [Op::Parameter(index), Op::With(operator, value)] if index < scope.parameters.len() => {
+                let value = operator.apply(scope.parameters[index], value);
+                if value.is_finite() { Ok(value) } else { Err(self.spans[1].clone()) }
+            }
             _ => self.run(scope),
         }
     }

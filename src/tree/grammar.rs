@@ -14,6 +14,10 @@ pub(super) struct Grammar {
     pub rules: Vec<Rule>,
     /// Numbers of the rules of each ASCII symbol.
     pub by_letter: Vec<Vec<usize>>,
+    /// Which symbols are drawn, can become something that is, or are looked for by rules; branches without any are dropped.
+    pub lasting: [bool; 128],
+    /// Which symbols are passed over when rules look at neighbours.
+    pub ignored: [bool; 128],
 }
 
 impl Grammar {
@@ -35,6 +39,7 @@ impl Grammar {
             rule_faults.push(faults);
         }
         let arities = arities(&rules, &mut rule_faults);
+        count_neighbours(&rules, &arities, &mut rule_faults);
         count_parameters(&axiom, &arities, &mut faults);
         complain("axiom", faults, &mut complaints);
         for (index, (rule, mut faults)) in rules.iter().zip(rule_faults).enumerate() {
@@ -47,9 +52,19 @@ impl Grammar {
             return Err(complaints);
         }
         let rules: Vec<Rule> = rules.into_iter().flatten().collect();
-        let of = |letter: u8| (0..rules.len()).filter(|&rule| rules[rule].letter == letter).collect();
-        let by_letter = (0..128).map(of).collect();
-        Ok(Self { axiom, rules, by_letter })
+        let of = |letter: u8| (0..rules.len()).filter(|&rule| rules[rule].own.letter == letter).collect();
+        let by_letter: Vec<Vec<usize>> = (0..128).map(of).collect();
+        let looked_for = |letter: u8| {
+            let mut patterns = rules.iter().flat_map(|rule| rule.left.iter().chain(&rule.right));
+            patterns.any(|pattern| pattern.letter == letter)
+        };
+        let lasting = std::array::from_fn(|index| {
+            let letter = index as u8;
+            matches!(letter, b'F' | b'f' | b'L') || !by_letter[index].is_empty() || looked_for(letter)
+        });
+        let mut ignored = [false; 128];
+        settings.ignored.bytes().filter(u8::is_ascii).for_each(|letter| ignored[usize::from(letter)] = true);
+        Ok(Self { axiom, rules, by_letter, lasting, ignored })
     }
 
     /// Whether any module can be cut off by `%`.
@@ -81,18 +96,37 @@ fn complain(key: &str, faults: Vec<Fault>, complaints: &mut Vec<Complaint>) {
 fn arities(rules: &[Option<Rule>], faults: &mut [Vec<Fault>]) -> [Option<usize>; 128] {
     let mut arities = [None; 128];
     for (rule, faults) in rules.iter().zip(faults) {
-        let Some(rule) = rule else { continue };
-        let arity = *arities[usize::from(rule.letter)].get_or_insert(rule.arity);
-        let allowed = allowed_parameters(rule.letter);
-        if arity != rule.arity {
-            let message = format!("an earlier rule gives `{}` {arity} parameters", char::from(rule.letter));
-            faults.push(Fault::new(rule.span.clone(), message, "a symbol has one number of parameters"));
-        } else if rule.arity > 0 && !allowed.contains(&rule.arity) {
-            let message = format!("`{}` cannot have {} parameters", char::from(rule.letter), rule.arity);
-            faults.push(Fault::new(rule.span.clone(), message, format!("it takes {}", span_in_words(&allowed))));
+        let Some(Rule { own, .. }) = rule else { continue };
+        let arity = *arities[usize::from(own.letter)].get_or_insert(own.arity);
+        let allowed = allowed_parameters(own.letter);
+        if arity != own.arity {
+            let message = format!("an earlier rule gives `{}` {}", char::from(own.letter), parameters(arity));
+            faults.push(Fault::new(own.span.clone(), message, "a symbol has one number of parameters"));
+        } else if own.arity > 0 && !allowed.contains(&own.arity) {
+            let message = format!("`{}` cannot have {}", char::from(own.letter), parameters(own.arity));
+            faults.push(Fault::new(own.span.clone(), message, format!("it takes {}", span_in_words(&allowed))));
         }
     }
     arities
+}
+
+/// Notes neighbours that are looked for with another number of parameters than they have.
+fn count_neighbours(rules: &[Option<Rule>], arities: &[Option<usize>; 128], faults: &mut [Vec<Fault>]) {
+    for (rule, faults) in rules.iter().zip(faults) {
+        for pattern in rule.iter().flat_map(|rule| rule.left.iter().chain(&rule.right)) {
+            let wanted = arities[usize::from(pattern.letter)];
+            let allowed = wanted.map_or(allowed_parameters(pattern.letter), |arity| arity..arity + 1);
+            if pattern.arity > 0 && !allowed.contains(&pattern.arity) {
+                let message = format!("`{}` cannot have {}", char::from(pattern.letter), parameters(pattern.arity));
+                let help = format!("it takes {}; without parentheses any are met", span_in_words(&allowed));
+                faults.push(Fault::new(pattern.span.clone(), message, help));
+            }
+        }
+    }
+}
+
+fn parameters(count: usize) -> String {
+    if count == 1 { "1 parameter".to_owned() } else { format!("{count} parameters") }
 }
 
 fn span_in_words(allowed: &std::ops::Range<usize>) -> String {
@@ -109,7 +143,7 @@ fn count_parameters(templates: &[Template], arities: &[Option<usize>; 128], faul
         let wanted = arities[usize::from(template.letter)];
         let allowed = wanted.map_or(allowed_parameters(template.letter), |arity| arity..arity + 1);
         if !allowed.contains(&count) {
-            let message = format!("`{}` has {count} parameters", char::from(template.letter));
+            let message = format!("`{}` has {}", char::from(template.letter), parameters(count));
             let source = if wanted.is_some() { ", as its rules have" } else { "" };
             let help = format!("it takes {}{source}", span_in_words(&allowed));
             faults.push(Fault::new(template.span.clone(), message, help));

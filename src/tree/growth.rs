@@ -21,8 +21,7 @@ fn least_counts(grammar: &Grammar, steps: u32) -> Option<Vec<f64>> {
         return None;
     }
     // Turns and brackets may be dropped with an empty branch, so only what lasts is counted.
-    let lasting =
-        |letter: u8| matches!(letter, b'F' | b'f' | b'L') || !grammar.by_letter[usize::from(letter)].is_empty();
+    let lasting = |letter: u8| grammar.lasting[usize::from(letter)];
     let mut counts = vec![0.0; LETTERS];
     for template in grammar.axiom.iter().filter(|template| lasting(template.letter)) {
         counts[usize::from(template.letter)] += 1.0;
@@ -56,7 +55,7 @@ fn least_successor(grammar: &Grammar, letter: usize, lasting: &dyn Fn(u8) -> boo
             counts[usize::from(template.letter)] += 1.0;
         }
         lower(counts);
-        certain |= rule.condition.is_none() && rule.weight.is_none();
+        certain |= rule.condition.is_none() && rule.weight.is_none() && !rule.looks();
         if certain {
             break;
         }

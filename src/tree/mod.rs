@@ -4,7 +4,8 @@
 //!
 //! ```text
 //! rule        = predecessor [ ":" condition [ ":" weight ] ] "->" successor
-//! predecessor = symbol [ "(" name { "," name } ")" ]           condition = "*" | expression
+//! predecessor = [ patterns "<" ] pattern [ ">" patterns ]       condition = "*" | expression
+//! pattern     = symbol [ "(" name { "," name } ")" ]
 //! successor   = { symbol [ "(" expression { "," expression } ")" ] }
 //! expression  = numbers, parameters, tree.constants, age (or n: the step, from 1), ( ), prefix - !,
 //!               + - * / % ^, < <= > >= == !=, && ||, c ? a : b,
@@ -13,10 +14,11 @@
 //!               [ ] branch    % cut the rest of the branch off    { } and other upper-case letters: silent
 //! ```
 //!
-//! After Prusinkiewicz and Lindenmayer, "The Algorithmic Beauty of Plants" (1990), chapters 1 and 2. Not here: rules that
-//! look at neighbours, and growth that senses the world (only a pass of light after growth sheds shaded shoots).
+//! After Prusinkiewicz and Lindenmayer, "The Algorithmic Beauty of Plants" (1990), chapters 1 and 2. `P < A > N`
+//! rewrites an A that stands on a P and has an N behind it (section 1.8). Not here: growth that senses the world (only a pass of light after growth sheds shaded shoots).
 
 mod axis;
+mod context;
 mod cursor;
 mod derivation;
 mod draws;
@@ -69,6 +71,8 @@ settings! {
         /// Rewriting rules, `predecessor : condition : weight -> successor`, as in `A(l) : l > 1 : 0.3 -> F(l)A(l)`; the
         /// condition may be `*` (always), it and the weight may be left out.
         rules: Vec<String> = Vec::new();
+        /// Symbols that count for nothing when rules look at the neighbours of a module, as in `P < A > N -> A`.
+        ignored: String = "+-&^\\/|$!{}".to_owned();
         /// Named numbers that rules may use.
         constants: BTreeMap<String, f64> = BTreeMap::new(), range -1e9 => 1e9;
         /// Derivation steps; `age` wins.
@@ -366,6 +370,34 @@ mod tests {
             assert!(after.len() > before.len());
             assert!(before.iter().all(|id| after.contains(id)));
         }
+    }
+
+    #[test]
+    fn a_probability_touches_only_what_it_decides() {
+        let grown = |bearing: &str| {
+            let mut rules = vec![
+                "A(l) : * : 2 -> F(l)[+(rand(30,50))A(l*0.8)][B]/(137.5)A(l*rand(0.7,0.9))".to_owned(),
+                "A(l) : * : 1 -> F(l)[B]/(90)A(l*0.9)".to_owned(),
+            ];
+            rules.extend(bearing.split_terminator(';').map(str::to_owned));
+            let settings = Settings { axiom: "A(1)".to_owned(), rules, iterations: 12, ..Settings::default() };
+            let segments = grow(&settings, 1, &Limits::default()).unwrap().0.skeleton.segments;
+            let key = |segment: &Segment| (segment.id, segment.start.map(f64::to_bits), segment.end.map(f64::to_bits));
+            segments.iter().map(key).collect::<std::collections::HashSet<_>>()
+        };
+        let limbs = grown("");
+        let few = grown("B : * : 1 -> F(0.1)[-F(0.1)L];B : * : 9 -> F(0.2)");
+        let many = grown("B : * : 9 -> F(0.1)[-F(0.1)L];B : * : 1 -> F(0.2)");
+        assert!(limbs.len() > 300 && limbs.is_subset(&few) && limbs.is_subset(&many));
+        assert!(many.len() > few.len() + 100);
+        // A bud that bore with the smaller chance bears with the larger one too, and the same.
+        let twigs = |all: &std::collections::HashSet<_>, length: f64| {
+            let long = |key: &&(u64, nalgebra::Vector3<u64>, nalgebra::Vector3<u64>)| {
+                ((key.1.map(f64::from_bits) - key.2.map(f64::from_bits)).norm() - length).abs() < 1e-9
+            };
+            all.difference(&limbs).filter(long).copied().collect::<std::collections::HashSet<_>>()
+        };
+        assert!(twigs(&few, 0.1).len() > 20 && twigs(&few, 0.1).is_subset(&twigs(&many, 0.1)));
     }
 
     #[test]

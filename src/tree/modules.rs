@@ -18,6 +18,11 @@ pub(super) struct Module {
 }
 
 impl Module {
+    /// How many parameters it has.
+    pub fn count(&self) -> usize {
+        usize::from(self.count)
+    }
+
     /// The first parameter, if it has any.
     pub fn argument(&self) -> Option<f64> {
         (self.count > 0).then_some(self.argument)
@@ -30,6 +35,8 @@ impl Module {
 pub(super) struct Modules {
     pub list: Vec<Module>,
     values: Vec<f64>,
+    /// Length of `values` after they were last swept.
+    swept: usize,
 }
 
 impl Modules {
@@ -67,18 +74,18 @@ impl Modules {
 
     /// Gives back the room of parameters that no module has any more, when that pays.
     pub fn sweep(&mut self) {
-        let several = |module: &&mut Module| module.count > 1;
-        let used: usize = self.list.iter_mut().filter(several).map(|module| usize::from(module.count)).sum();
-        if self.values.len() < 2 * used + 1024 {
+        if self.values.len() < 3 * self.swept + 4096 {
             return;
         }
+        let several = |module: &&mut Module| module.count > 1;
+        let used: usize = self.list.iter_mut().filter(several).map(|module| usize::from(module.count)).sum();
         let mut swept = Vec::with_capacity(used);
         for module in self.list.iter_mut().filter(several) {
             let first = swept.len();
             swept.extend_from_slice(&self.values[module.first..][..usize::from(module.count)]);
             module.first = first;
         }
-        self.values = swept;
+        (self.values, self.swept) = (swept, used);
     }
 }
 

@@ -2,7 +2,9 @@
 //!
 //! ```text
 //! rule        = predecessor [ ":" condition [ ":" weight ] ] "->" successor
-//! predecessor = symbol [ "(" name { "," name } ")" ]
+//! predecessor = [ patterns "<" ] pattern [ ">" patterns ]
+//! patterns    = pattern { pattern }
+//! pattern     = symbol [ "(" name { "," name } ")" ]
 //! condition   = "*" | expression          "*" holds always
 //! weight      = expression                relative chance, at least 0
 //! successor   = { symbol [ "(" expression { "," expression } ")" ] }
@@ -18,15 +20,25 @@ use super::symbol::{Template, may_be_rewritten, modules, symbol};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// A rule ready to be applied.
+/// A symbol that a rule looks for, with the number of names it gives to its parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Pattern {
+    pub letter: u8,
+    pub arity: usize,
+    /// The bytes it was written in.
+    pub span: Range<usize>,
+}
+
+/// A rule ready to be applied. Its programs number the parameters of the left neighbours first, then its own, then those of
+/// the right neighbours.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Rule {
     /// The symbol it rewrites.
-    pub letter: u8,
-    /// Number of its parameters.
-    pub arity: usize,
-    /// Bytes of the predecessor.
-    pub span: Range<usize>,
+    pub own: Pattern,
+    /// The symbols that must stand before it, in the order of the text.
+    pub left: Vec<Pattern>,
+    /// The symbols that must follow.
+    pub right: Vec<Pattern>,
     /// Absent when it always holds.
     pub condition: Option<Program>,
     /// Absent for a rule that is not drawn.
@@ -41,14 +53,27 @@ impl Rule {
         Self::read(&mut Cursor::new(text), constants, faults).map_err(|fault| faults.push(fault)).ok().flatten()
     }
 
+    /// Whether it looks at neighbours.
+    pub fn looks(&self) -> bool {
+        !self.left.is_empty() || !self.right.is_empty()
+    }
+
     fn read(
         cursor: &mut Cursor<'_>,
         constants: &BTreeMap<String, f64>,
         faults: &mut Vec<Fault>,
     ) -> Result<Option<Self>, Fault> {
-        let found = symbol(cursor, faults);
-        let parameters = if cursor.accept("(") { parameter_names(cursor, faults)? } else { Vec::new() };
-        let end = cursor.end();
+        let mut parameters = Vec::new();
+        let first = patterns(cursor, &mut parameters, faults)?;
+        let looks_left = cursor.accept("<");
+        let (left, middle) =
+            if looks_left { (first, patterns(cursor, &mut parameters, faults)?) } else { (Vec::new(), first) };
+        let looks_right = middle.len() < 2 && cursor.accept(">");
+        let right = if looks_right { patterns(cursor, &mut parameters, faults)? } else { Vec::new() };
+        if let Some(second) = middle.get(1) {
+            let help = "a rule rewrites one symbol: `left < symbol > right : condition : weight -> successor`";
+            return Err(Fault::new(second.span.clone(), "`->` is missing here", help));
+        }
         let names = Names { parameters: &parameters, constants };
         let (mut condition, mut weight) = (None, None);
         if cursor.accept(":") {
@@ -57,17 +82,42 @@ impl Rule {
         }
         cursor.expect("->", "a rule reads `predecessor : condition : weight -> successor`")?;
         let successor = modules(cursor, names, faults)?;
-        let Some((letter, span)) = found else { return Ok(None) };
-        if !may_be_rewritten(letter) {
-            let help = "rules rewrite letters and turns, not brackets or `%`";
-            faults.push(Fault::new(span.clone(), format!("`{}` cannot be rewritten", char::from(letter)), help));
+        let Some(own) = middle.into_iter().next() else { return Ok(None) };
+        for pattern in left.iter().chain([&own]).chain(&right) {
+            if !may_be_rewritten(pattern.letter) {
+                let (verb, help) =
+                    ("rewritten or looked for", "rules are about letters and turns, not brackets or `%`");
+                let message = format!("`{}` cannot be {verb}", char::from(pattern.letter));
+                faults.push(Fault::new(pattern.span.clone(), message, help));
+            }
         }
-        Ok(Some(Self { letter, arity: parameters.len(), span: span.start..end, condition, weight, successor }))
+        Ok(Some(Self { own, left, right, condition, weight, successor }))
     }
 }
 
-fn parameter_names(cursor: &mut Cursor<'_>, faults: &mut Vec<Fault>) -> Result<Vec<String>, Fault> {
-    let mut names: Vec<String> = Vec::new();
+/// Takes symbols with the names of their parameters up to what follows them in a predecessor; at least one is taken.
+fn patterns(cursor: &mut Cursor<'_>, names: &mut Vec<String>, faults: &mut Vec<Fault>) -> Result<Vec<Pattern>, Fault> {
+    let mut patterns = Vec::new();
+    loop {
+        if cursor.sees("->") {
+            let here = cursor.next_range();
+            return Err(Fault::new(here, "a symbol is missing here", "write the symbol that the rule is about"));
+        }
+        let found = symbol(cursor, faults);
+        let known = names.len();
+        if cursor.accept("(") {
+            parameter_names(cursor, names, faults)?;
+        }
+        if let Some((letter, span)) = found {
+            patterns.push(Pattern { letter, arity: names.len() - known, span: span.start..cursor.end() });
+        }
+        if cursor.sees("->") || matches!(cursor.peek(), None | Some(':' | '<' | '>')) {
+            return Ok(patterns);
+        }
+    }
+}
+
+fn parameter_names(cursor: &mut Cursor<'_>, names: &mut Vec<String>, faults: &mut Vec<Fault>) -> Result<(), Fault> {
     loop {
         let (name, span) = cursor.run(|c| c.is_ascii_alphanumeric() || c == '_');
         if name.is_empty() || name.starts_with(|c: char| c.is_ascii_digit()) {
@@ -79,7 +129,7 @@ fn parameter_names(cursor: &mut Cursor<'_>, faults: &mut Vec<Fault>) -> Result<V
         }
         names.push(name.to_owned());
         if cursor.accept(")") {
-            return Ok(names);
+            return Ok(());
         }
         cursor.expect(",", "separate parameters by commas and close the parenthesis")?;
     }
