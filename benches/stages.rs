@@ -87,7 +87,7 @@ impl Inputs {
         let Self { scene, tree, blade, frame, .. } = self;
         let limits = Limits::default();
         let grow = move || consume(tree::grow(&scene.tree, scene.seed, &limits));
-        let aged = tree::Settings { age: Some(25), ..scene.tree.clone() };
+        let aged = tree::Settings { age: Some(25.0), ..scene.tree.clone() };
         let old = move || consume(tree::grow(&aged, scene.seed, &Limits::default()));
         let limits = Limits::default();
         let model = move || consume(leaf::model(&scene.leaf, leaf::Pictures::default(), &limits));
