@@ -10,6 +10,7 @@ pub mod limits;
 pub mod maths;
 pub mod mesh;
 pub mod message;
+pub mod noise;
 pub mod picture;
 pub mod random;
 pub mod settings;

@@ -1,55 +1,19 @@
 //! Irregularity in the plane that does not repeat: smooth noise in octaves, and cells.
 
-use crate::base::random::{hash, hash_unit};
+use crate::base::noise::{Cell, Lattice};
 
 /// Lattice noise of one salt. Values are functions of place and salt alone.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Noise(pub u64);
 
-/// Where a point lies in a Voronoi tessellation of jittered lattice points (Worley 1996).
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Cell {
-    /// Uniform in [0, 1), one number for each cell.
-    pub value: f32,
-    /// Distance to the second nearest centre less that to the nearest, in lattice widths; 0 on the border of two cells.
-    pub clearance: f32,
-}
-
-fn lattice(floor: f32) -> i64 {
-    floor as i64
-}
-
 impl Noise {
-    fn at(self, x: i64, y: i64) -> u64 {
-        hash(self.0, (x as u64) << 32 ^ (y as u64 & 0xffff_ffff))
-    }
-
-    /// Gradient noise (Perlin 2002) with mean 0, about -0.7 to 0.7, features one unit across.
-    fn gradient(self, x: f32, y: f32) -> f32 {
-        let (fx, fy) = (x.floor(), y.floor());
-        let (ix, iy) = (lattice(fx), lattice(fy));
-        let (dx, dy) = (x - fx, y - fy);
-        let corner = |cx: i64, cy: i64| {
-            let bits = self.at(ix + cx, iy + cy);
-            // A gradient from a square of side 2: cheaper than a circle, and its bias is lost in the octaves.
-            let gx = ((bits & 0xffff) as f32 + 0.5) / 32768.0 - 1.0;
-            let gy = ((bits >> 16 & 0xffff) as f32 + 0.5) / 32768.0 - 1.0;
-            gx * (dx - cx as f32) + gy * (dy - cy as f32)
-        };
-        let fade = |t: f32| t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
-        let (u, v) = (fade(dx), fade(dy));
-        let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];
-        let (low, high) = (a + (b - a) * u, c + (d - c) * u);
-        low + (high - low) * v
-    }
-
     /// Three octaves, mean 0 and standard deviation about 0.5; the coarsest features are 1 / `frequency` across.
     pub(super) fn octaves(self, x: f32, y: f32, frequency: f32) -> f32 {
         let (mut sum, mut weight, mut f) = (0.0, 1.0, frequency);
         for octave in 0..3u64 {
             // Octaves are shifted against each other, or all would vanish together at lattice points.
             let shift = octave as f32 * 0.37;
-            sum += weight * Self(self.0 ^ (octave << 60)).gradient(x * f + shift, y * f + shift);
+            sum += weight * Lattice::new(self.0 ^ (octave << 60)).gradient(x * f + shift, y * f + shift);
             weight *= 0.5;
             f *= 2.13;
         }
@@ -58,23 +22,7 @@ impl Noise {
 
     /// The cell of a point; cells are 1 / `frequency` across.
     pub(super) fn cell(self, x: f32, y: f32, frequency: f32) -> Cell {
-        let (x, y) = (x * frequency, y * frequency);
-        let (ix, iy) = (lattice(x.floor()), lattice(y.floor()));
-        let (mut first, mut second, mut owner) = (f32::INFINITY, f32::INFINITY, 0);
-        for cy in iy - 1..=iy + 1 {
-            for cx in ix - 1..=ix + 1 {
-                let bits = self.at(cx, cy);
-                let jitter = |shift: u32| ((bits >> shift & 0xffff) as f32 + 0.5) / 65536.0;
-                let (dx, dy) = (cx as f32 + jitter(0) - x, cy as f32 + jitter(16) - y);
-                let square = dx * dx + dy * dy;
-                if square < first {
-                    (second, first, owner) = (first, square, bits);
-                } else if square < second {
-                    second = square;
-                }
-            }
-        }
-        Cell { value: hash_unit(owner, 1), clearance: second.sqrt() - first.sqrt() }
+        Lattice::new(self.0).cell(x * frequency, y * frequency)
     }
 }
 

@@ -1,35 +1,103 @@
-//! The texture of a trunk: grey plates between dark, wandering fissures that run along the stem. Nothing in it is wider
-//! than a few centimetres, so that its repeats do not show.
+//! Bark: a texture for every class of girth that the tree has, painted in metres, so that a ridge is as wide on a limb as
+//! on the trunk. What one texture shows depends on the species' kind of bark and on how old the girth makes it.
 
-use super::noise::fractal;
+use super::bark_pattern::{Bark, Scale};
 use crate::base::encoding::SrgbEncoder;
-use crate::base::maths::{mix, smooth_step};
 use crate::base::random::hash;
 use crate::frame::Texture;
+use crate::tree::{Settings, Wood};
 use rayon::prelude::*;
 
-/// Pixels along one side; one repeat is half a metre, so a millimetre is a pixel.
-const SIZE: u32 = 512;
+/// Pixels around of the thinnest and of the thickest wood's texture; twice as many along.
+const LEAST: u32 = 64;
+const MOST: u32 = 512;
+/// Size of a pixel that is aimed at, metres.
+const PIXEL: f64 = 0.0017;
 
-/// Paints bark of a mean reflectance (linear sRGB).
-pub(super) fn texture(colour: [f64; 3], seed: u64) -> Texture {
-    let salt = |n: u64| hash(seed, n);
+/// The textures of some wood, in its order.
+pub(super) fn textures(settings: &Settings, wood: &[Wood], seed: u64) -> Vec<Texture> {
     let encoder = SrgbEncoder::default();
+    wood.iter().map(|wood| texture(settings, wood, seed, &encoder)).collect()
+}
+
+fn texture(settings: &Settings, wood: &Wood, seed: u64, encoder: &SrgbEncoder) -> Texture {
+    let width = ((wood.repeat / PIXEL) as u32).next_power_of_two().clamp(LEAST, MOST);
+    let height = width * 2;
+    let scale = Scale { around: wood.repeat, along: wood.repeat * 2.0 };
+    let bark = Bark::new(settings, wood.radius, scale, hash(seed, 0xBA4C + wood.class as u64));
     let texel = |index: u32| {
-        let (u, v) = ((index % SIZE) as f32 / SIZE as f32, (index / SIZE) as f32 / SIZE as f32);
-        let wander = (fractal(u, v, 6, 3, 2, salt(1)) - 0.5) * 0.12;
-        let ridge = (fractal(u + wander, v, 15, 3, 2, salt(2)) - 0.5).abs();
-        let fissure = 1.0 - smooth_step(0.0, 0.11, ridge);
-        let fine = (fractal(u + wander, v, 40, 7, 2, salt(3)) - 0.5).abs();
-        let cracks = 1.0 - smooth_step(0.0, 0.09, fine);
-        let grain = fractal(u, v, 64, 16, 2, salt(4));
-        let lichen = smooth_step(0.55, 0.75, fractal(u, v, 11, 9, 2, salt(5)));
-        let light = (0.78 + 0.5 * grain) * (1.0 - 0.30 * fissure) * (1.0 - 0.45 * cracks);
-        std::array::from_fn(|k| {
-            let pale = [0.30, 0.33, 0.27][k];
-            encoder.code(mix(colour[k] as f32, pale, lichen * 0.25) * light)
-        })
+        let (column, row) = (index % width, index / width);
+        let (u, v) = ((column as f32 + 0.5) / width as f32, (row as f32 + 0.5) / height as f32);
+        bark.colour(u, v).map(|value| encoder.code(value))
     };
-    let pixels: Vec<[u8; 3]> = (0..SIZE * SIZE).into_par_iter().map(texel).collect();
-    Texture { name: "bark".to_owned(), width: SIZE, height: SIZE, pixels, repeat: true }
+    let pixels = (0..width * height).into_par_iter().map(texel).collect();
+    Texture { name: format!("bark_{}", wood.class), width, height, pixels, repeat: true }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::maths::srgb_to_linear;
+    use crate::base::mesh::Mesh;
+    use crate::tree::BarkKind;
+
+    fn wood(class: usize) -> Wood {
+        let radius = 0.00425 * f64::from(1u32 << class);
+        let repeat = std::f64::consts::TAU * radius.min(0.14);
+        Wood { class, mesh: Mesh::default(), radius, repeat }
+    }
+
+    const KINDS: [BarkKind; 5] =
+        [BarkKind::Smooth, BarkKind::Ridged, BarkKind::Plated, BarkKind::Papery, BarkKind::Scarred];
+
+    /// Mean and deviation of the green of a texture, linear.
+    fn moments(texture: &Texture) -> (f64, f64) {
+        let values: Vec<f64> = texture.pixels.iter().map(|p| srgb_to_linear(f32::from(p[1]) / 255.0).into()).collect();
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        (mean, (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / count).sqrt())
+    }
+
+    #[test]
+    fn textures_tile() {
+        // The step over the rim is no larger than the steps inside: there is no seam.
+        for kind in KINDS {
+            let settings = Settings { bark_kind: kind, ..Settings::default() };
+            let texture = &textures(&settings, &[wood(4)], 1)[0];
+            let (width, height) = (texture.width as usize, texture.height as usize);
+            let step = |a: usize, b: usize| {
+                let [a, b] = [a, b].map(|at| texture.pixels[at].map(i32::from));
+                (0..3).map(|k| (a[k] - b[k]).abs()).sum::<i32>() as f64
+            };
+            let columns =
+                |a: usize, b: usize| (0..height).map(|row| step(row * width + a, row * width + b)).sum::<f64>();
+            let rows =
+                |a: usize, b: usize| (0..width).map(|column| step(a * width + column, b * width + column)).sum::<f64>();
+            let inside =
+                |f: &dyn Fn(usize, usize) -> f64, count: usize| (1..count).map(|at| f(at - 1, at)).fold(0.0, f64::max);
+            assert!(columns(width - 1, 0) <= 1.3 * inside(&columns, width), "{kind:?}");
+            assert!(rows(height - 1, 0) <= 1.3 * inside(&rows, height), "{kind:?}");
+        }
+    }
+
+    #[test]
+    fn old_bark_breaks_up_and_twigs_have_their_own_colour() {
+        for kind in [BarkKind::Ridged, BarkKind::Plated, BarkKind::Papery] {
+            let settings = Settings { bark_kind: kind, ..Settings::default() };
+            let textures = textures(&settings, &[wood(0), wood(3), wood(6)], 1);
+            let [twig, young, old] = [0, 1, 2].map(|at| moments(&textures[at]));
+            assert!((twig.0 / settings.twig_bark[1] - 1.0).abs() < 0.2, "{kind:?} {twig:?}");
+            assert!(old.1 / old.0 > 1.3 * young.1 / young.0, "{kind:?} {young:?} {old:?}");
+        }
+    }
+
+    #[test]
+    fn a_pixel_is_a_millimetre_or_two() {
+        for class in 2..9 {
+            let wood = wood(class);
+            let texture = &textures(&Settings::default(), std::slice::from_ref(&wood), 1)[0];
+            let pixel = wood.repeat / f64::from(texture.width);
+            assert!((0.0003..0.002).contains(&pixel), "{pixel}");
+        }
+    }
 }

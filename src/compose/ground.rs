@@ -1,8 +1,8 @@
 //! The texture of a meadow: blades of grass drawn over soil, wrapping at the rim so that it tiles.
 
-use super::noise::fractal;
 use crate::base::encoding::SrgbEncoder;
 use crate::base::maths::{cos, mix, sin};
+use crate::base::noise::Fractal;
 use crate::base::random::{Purpose, Stream, hash};
 use crate::frame::{Ground, Instance, Texture};
 use rayon::prelude::*;
@@ -22,27 +22,28 @@ pub(super) fn ground(texture: u32, cover: Vec<Instance>) -> Ground {
 
 /// Paints the meadow.
 pub(super) fn texture(seed: u64) -> Texture {
+    let (soils, droughts) = (Fractal::new(96, 96, 1, hash(seed, 1)), Fractal::new(3, 3, 3, hash(seed, 2)));
     let mut linear = vec![[0.0f32; 3]; (SIZE * SIZE) as usize];
     linear.par_iter_mut().enumerate().for_each(|(index, texel)| {
         let (u, v) = ((index as i32 % SIZE) as f32 / SIZE as f32, (index as i32 / SIZE) as f32 / SIZE as f32);
-        let soil = 0.6 + 0.8 * fractal(u, v, 96, 96, 1, hash(seed, 1));
+        let soil = 0.6 + 0.8 * soils.at(u, v);
         *texel = [0.055 * soil, 0.058 * soil, 0.022 * soil];
     });
     for blade in 0..BLADES {
-        draw_blade(&mut linear, seed, blade);
+        draw_blade(&mut linear, &droughts, seed, blade);
     }
     let encoder = SrgbEncoder::default();
     let pixels = linear.iter().map(|texel| texel.map(|value| encoder.code(value))).collect();
     Texture { name: "ground".to_owned(), width: SIZE as u32, height: SIZE as u32, pixels, repeat: true }
 }
 
-fn draw_blade(linear: &mut [[f32; 3]], seed: u64, number: u64) {
+fn draw_blade(linear: &mut [[f32; 3]], droughts: &Fractal, seed: u64, number: u64) {
     let mut random = Stream::new(seed, Purpose::Surroundings, number, 0);
     let (x, y) = (random.range(0.0, f64::from(SIZE)), random.range(0.0, f64::from(SIZE)));
     let angle = random.range(0.0, TAU);
     let length = random.range(8.0, 26.0);
     let (u, v) = (x as f32 / SIZE as f32, y as f32 / SIZE as f32);
-    let dry = fractal(u, v, 3, 3, 3, hash(seed, 2)) * 0.9 - 0.25 + 0.35 * random.uniform() as f32;
+    let dry = droughts.at(u, v) * 0.9 - 0.25 + 0.35 * random.uniform() as f32;
     let shade = random.range(0.55, 1.25) as f32;
     let green = [0.092, 0.142, 0.030];
     let straw = [0.26, 0.22, 0.085];

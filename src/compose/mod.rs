@@ -5,10 +5,10 @@
 //! and that by the leaf's own key.
 
 mod bark;
+mod bark_pattern;
 mod ground;
 mod inset;
 mod light;
-mod noise;
 mod petiole;
 mod sward;
 
@@ -100,15 +100,13 @@ impl Stock {
     }
 
     fn add_wood(&mut self, scene: &Scene, tree: &Tree) {
-        let texture = self.push_texture(bark::texture(scene.tree.bark, scene.seed));
-        let bark = self.push_material(Material { reflected: Some(texture), ..wood("bark", [1.0; 3]) });
-        let twig = self.push_material(wood("twig", scene.tree.twig_bark.map(|c| c as f32)));
+        let textures = bark::textures(&scene.tree, &tree.wood, scene.seed);
         let mut parts = Vec::new();
-        for (mesh, material) in [(&tree.bark, bark), (&tree.twigs, twig)] {
-            if !mesh.triangles.is_empty() {
-                let mesh = self.push_mesh(mesh);
-                parts.push(Part { mesh, material });
-            }
+        for (wooden, texture) in tree.wood.iter().zip(textures) {
+            let name = texture.name.clone();
+            let reflected = Some(self.push_texture(texture));
+            let material = self.push_material(Material { reflected, ..wood(&name, [1.0; 3]) });
+            parts.push(Part { mesh: self.push_mesh(&wooden.mesh), material });
         }
         self.models.push(Model { name: "trunk".to_owned(), parts });
     }

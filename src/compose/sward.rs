@@ -1,9 +1,9 @@
 //! Blades of grass about the foot of the tree, so that the trunk stands in the meadow and not on it. Farther away the
 //! ground's texture is enough.
 
-use super::noise::fractal;
 use crate::base::maths::{cos, sin};
 use crate::base::mesh::Mesh;
+use crate::base::noise::Fractal;
 use crate::base::random::{Purpose, Stream, hash};
 use crate::base::vector::{Vec2, Vec3};
 use crate::frame::Texture;
@@ -39,20 +39,21 @@ pub(super) fn palette() -> Texture {
 /// The blades, thinning out from the tree's foot.
 pub(super) fn mesh(seed: u64) -> Mesh {
     let mut mesh = Mesh::default();
+    let tufts = Fractal::new(9, 9, 3, hash(seed, 3));
     for (row, column) in (-REACH..REACH).flat_map(|row| (-REACH..REACH).map(move |column| (row, column))) {
         let distance = libm::hypot(f64::from(row) + 0.5, f64::from(column) + 0.5) / f64::from(REACH);
         if distance < 1.0 {
-            sow(&mut mesh, seed, row, column, DENSEST * (1.0 - distance) * (1.0 - distance));
+            sow(&mut mesh, &tufts, seed, [row, column], DENSEST * (1.0 - distance) * (1.0 - distance));
         }
     }
     mesh
 }
 
-fn sow(mesh: &mut Mesh, seed: u64, row: i32, column: i32, count: f64) {
+fn sow(mesh: &mut Mesh, tufts: &Fractal, seed: u64, [row, column]: [i32; 2], count: f64) {
     let id = ((row + REACH) * 2 * REACH + column + REACH) as u64;
     let mut random = Stream::new(seed, Purpose::Surroundings, id, 1);
     let (u, v) = (column as f32 / (2 * REACH) as f32 + 0.5, row as f32 / (2 * REACH) as f32 + 0.5);
-    let tuft = f64::from(fractal(u, v, 9, 9, 3, hash(seed, 3)));
+    let tuft = f64::from(tufts.at(u, v));
     for _ in 0..(count * (0.3 + 1.4 * tuft)) as usize {
         let foot = Vec3::new(
             ((f64::from(column) + random.uniform()) * CELL) as f32,

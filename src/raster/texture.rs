@@ -33,7 +33,7 @@ impl MipMap {
 
     /// The colour at `uv`, averaged over about `footprint` (in texture units), between the two nearest levels.
     pub(super) fn sample(&self, uv: Vec2, footprint: f32) -> [f32; 3] {
-        let texels = footprint * self.levels[0].width as f32;
+        let texels = footprint * (self.levels[0].width as f32 * self.levels[0].height as f32).sqrt();
         let level = if texels > 1.0 { log2f(texels) } else { 0.0 };
         let last = self.levels.len() - 1;
         let lower = (level as usize).min(last);

@@ -94,7 +94,7 @@ fn allow_memory(scene: &Scene, tree: &Tree, plan: &Plan, limits: &Limits) -> Res
 /// of the peak with each size, and rounded up.
 fn predicted_memory(scene: &Scene, tree: &Tree, plan: &Plan) -> [(&'static str, f64); 6] {
     let square = |side: u32| f64::from(side) * f64::from(side);
-    let wood = (tree.bark.positions.len() + tree.twigs.positions.len()) as f64;
+    let wood: f64 = tree.wood.iter().map(|wood| wood.mesh.positions.len() as f64).sum();
     let leaves = tree.sites.len() as f64;
     let vertices = f64::from(scene.leaf.vertices);
     let made = |stage: &str| plan.jobs.iter().filter(|job| job.stage == stage).count() as f64;

@@ -23,9 +23,11 @@ mod cursor;
 mod derivation;
 mod draws;
 mod expression;
+mod flare;
 mod grammar;
 mod growth;
 mod height;
+mod join;
 mod leaf_site;
 mod modules;
 mod parser;
@@ -37,16 +39,17 @@ mod shedding;
 mod skeleton;
 mod symbol;
 mod turtle;
+mod weave;
 mod wood;
 
 pub use leaf_site::LeafSite;
 pub use skeleton::{Segment, Skeleton};
+pub use wood::Wood;
 
 use crate::base::figures::Figures;
 use crate::base::limits::{Limit, Limits, Refusal};
-use crate::base::mesh::Mesh;
 use crate::base::settings::Complaint;
-use crate::settings;
+use crate::{choice, settings};
 use grammar::Grammar;
 use skeleton::Shoot;
 use std::collections::BTreeMap;
@@ -57,6 +60,22 @@ use thiserror::Error;
 const LENGTH_BYTES: f64 = 640.0;
 /// Memory that a leaf comes to before it is drawn, bytes.
 const LEAF_BYTES: f64 = 400.0;
+
+choice! {
+    /// How bark breaks up as the wood grows thick.
+    pub enum BarkKind {
+        /// Smooth for life, with faint marks across: beech, Japanese maple.
+        Smooth = "smooth",
+        /// Interlacing ridges between furrows along the stem: oaks, ginkgo, sweetgum, Norway maple.
+        Ridged = "ridged",
+        /// Long plates that come loose at their sides: red maple, sugar maple.
+        Plated = "plated",
+        /// Pale, with dark marks across; black cracks in diamonds near the foot of old trunks: birches.
+        Papery = "papery",
+        /// Pale and smooth with dark scars of branches, furrowed near the foot of old trunks: aspens.
+        Scarred = "scarred",
+    }
+}
 
 settings! {
     /// The tree's growth. With an L-system of its own a scene needs no species.
@@ -99,8 +118,16 @@ settings! {
         petiole_angle: f64 = 50.0, unit "°", range 0.0 => 180.0;
         /// Mean inclination of blades below the horizontal.
         blade_inclination: f64 = 35.0, unit "°", range -90.0 => 90.0;
-        /// Reflectance of the bark of stem and limbs: linear red, green, blue.
+        /// Reflectance of old bark, of its plates or ridges: linear red, green, blue.
         bark: [f64; 3] = [0.21, 0.19, 0.165], range 0.0 => 1.0;
+        /// How the bark breaks up as the wood grows thick.
+        bark_kind: BarkKind = BarkKind::Plated;
+        /// Reflectance of smooth bark on young limbs: linear red, green, blue.
+        bark_young: [f64; 3] = [0.26, 0.25, 0.22], range 0.0 => 1.0;
+        /// Girth at which half the bark has turned from young to old.
+        bark_girth: f64 = 0.55, unit "m", range 0.01 => 50.0;
+        /// Width of a plate or ridge of old bark, of a mark on smooth bark.
+        bark_scale: f64 = 0.05, unit "m", range 0.005 => 0.5;
         /// Reflectance of the bark of twigs: linear red, green, blue.
         twig_bark: [f64; 3] = [0.13, 0.09, 0.08], range 0.0 => 1.0;
         /// Reflectance of petioles: linear red, green, blue.
@@ -130,10 +157,8 @@ impl Settings {
 /// A grown tree.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tree {
-    /// Wood of 12 mm radius and more.
-    pub bark: Mesh,
-    /// Thinner wood.
-    pub twigs: Mesh,
+    /// The surface of the wood by girth, thinnest first.
+    pub wood: Vec<Wood>,
     /// The leaves, in the order of growth.
     pub sites: Vec<LeafSite>,
     /// The wood as lines.
@@ -238,7 +263,7 @@ pub fn grow(settings: &Settings, seed: u64, limits: &Limits) -> Result<(Tree, Fi
     let light = shade::light(&drawing.shoots, settings.shade);
     let site = |(shoot, light): (&Shoot, &f64)| leaf_site::site(shoot, &skeleton, *light, settings, seed);
     let sites: Vec<LeafSite> = drawing.shoots.iter().zip(&light).map(site).collect();
-    let (bark, twigs) = wood::meshes(&skeleton);
+    let wood = wood::meshes(&skeleton);
     let places = || skeleton.segments.iter().map(|segment| segment.end).chain(sites.iter().map(|site| site.base));
     let height = places().map(|place| place.y).fold(0.0, f64::max);
     let crown_radius = places().map(|place| (place.x * place.x + place.z * place.z).sqrt()).fold(0.0, f64::max);
@@ -251,9 +276,9 @@ pub fn grow(settings: &Settings, seed: u64, limits: &Limits) -> Result<(Tree, Fi
         .with("height_m", height)
         .with("crown_projection_m2", crown_projection)
         .with("max_order", skeleton.max_order())
-        .with("triangles", (bark.triangles.len() + twigs.triangles.len()) as u64);
+        .with("triangles", wood.iter().map(|wood| wood.mesh.triangles.len() as u64).sum::<u64>());
     let youngest = settings.steps();
-    Ok((Tree { bark, twigs, sites, skeleton, height, crown_radius, crown_projection, youngest }, figures))
+    Ok((Tree { wood, sites, skeleton, height, crown_radius, crown_projection, youngest }, figures))
 }
 
 /// Area of the ground below the crown, square metres: the outline of the leaves in 36 sectors about their middle, each as
@@ -316,7 +341,7 @@ mod tests {
             for (value, [low, high]) in found {
                 assert!((low..high).contains(&value), "{value} is not in {low} to {high} at {age} years, seed {seed}");
             }
-            assert_eq!((tree.bark.check(), tree.twigs.check()), (Ok(()), Ok(())));
+            assert!(tree.wood.iter().all(|wood| wood.mesh.check() == Ok(())));
             let mut ids: Vec<u64> = tree.sites.iter().map(|site| site.id).collect();
             ids.sort_unstable();
             ids.dedup();

@@ -1,9 +1,9 @@
 //! The smooth centre line of an axis as rings for the mesh: a cubic Hermite curve through the knots with Catmull-Rom
 //! tangents for uneven spacing, and frames carried along without twist (double reflection, Wang, Juettler, Zheng and Liu
-//! 2008).
+//! 2008). Wood keeps its girth up to a fork and loses it just above, as trees do.
 
 use super::axis::{Axis, Knot};
-use crate::base::maths::{acos, exp};
+use crate::base::maths::acos;
 use crate::base::vector::{DVec3, perpendicular};
 
 /// A ring of the tube.
@@ -26,71 +26,51 @@ const TURN: f64 = 0.16;
 /// Radius above which rings follow each other so closely that no facet shows, metres.
 const THICK: f64 = 0.02;
 /// Radius below which knots may be left out, metres.
-const THIN: f64 = 0.006;
+pub(super) const THIN: f64 = 0.006;
 /// How far thin wood may be drawn from its line, in its own radii.
 const SLACK: f64 = 0.35;
 /// The same for the thinnest wood, metres: less than its own radius.
 const LEAST_SLACK: f64 = 0.0008;
-/// How much a collar is thicker than the branch where it leaves its parent.
-const COLLAR: f64 = 0.4;
 /// How deep the trunk goes into the ground, metres.
 const DEPTH: f64 = 0.3;
+/// Length over which the girth falls above a fork, in radii below it.
+const SHOULDER: f64 = 2.5;
+/// Heights of the rings where the foot flares, in radii.
+const FOOT: [f64; 9] = [0.0, 0.25, 0.6, 1.0, 1.5, 2.2, 3.0, 4.2, 6.0];
 
-/// The rings of an axis.
-pub(super) fn rings(axis: &Axis) -> Vec<Ring> {
-    let knots = simplified(&rooted(axis));
-    let tangents: Vec<DVec3> = (0..knots.len()).map(|at| tangent(&knots, at)).collect();
-    let mut rings: Vec<Ring> = Vec::new();
+/// The rings of an axis, appended to `rings`, which is cleared first.
+pub(super) fn rings(axis: &Axis, rings: &mut Vec<Ring>) {
+    rings.clear();
+    let knots = simplified(&axis.knots);
+    let root = axis.origin.is_none();
+    let mut from = tangent(&knots, 0);
+    if root {
+        let centre = knots[0].position - DVec3::y() * DEPTH;
+        let radius = knots[0].above;
+        rings.push(Ring { centre, tangent: from, side: DVec3::x(), radius, slope: 0.0, length: 0.0 });
+    }
+    let mut shares = Vec::new();
     for at in 0..knots.len() - 1 {
         let (a, b) = (knots[at], knots[at + 1]);
-        let pieces = pieces(&a, &b, tangents[at], tangents[at + 1]);
-        for piece in 0..pieces {
-            rings.push(between(a, b, tangents[at], tangents[at + 1], piece as f64 / pieces as f64));
-        }
+        let to = tangent(&knots, at + 1);
+        cuts(&a, &b, (from, to), root && at == 0, &mut shares);
+        rings.extend(shares.iter().map(|&share| between(&a, &b, (from, to), share)));
+        from = to;
     }
     let end = knots.len() - 1;
-    rings.push(between(knots[end - 1], knots[end], tangents[end - 1], tangents[end], 1.0));
-    if let Some(parent) = axis.parent_radius {
-        collar(&mut rings, parent);
-    }
-    carry_frames(&mut rings);
-    slopes(&mut rings);
-    rings
-}
-
-/// The knots, the trunk's carried into the ground.
-fn rooted(axis: &Axis) -> Vec<Knot> {
-    let mut knots = axis.knots.clone();
-    if axis.parent_radius.is_none() {
-        let first = knots[0];
-        // More rings where the foot flares.
-        let up = knots[1].position - first.position;
-        for share in [6.0, 4.0, 3.0, 2.2, 1.6, 1.1, 0.7, 0.3].map(|radii| radii * first.radius / up.norm()) {
-            if share < 0.9 {
-                let radius = first.radius + (knots[1].radius - first.radius) * share;
-                knots.insert(1, Knot { position: first.position + up * share, radius });
-            }
-        }
-        knots.insert(0, Knot { position: first.position - DVec3::y() * DEPTH, radius: first.radius });
-    }
-    knots
+    rings.push(between(&knots[end - 1], &knots[end], (tangent(&knots, end - 1), from), 1.0));
+    carry_frames(rings);
+    slopes(rings);
 }
 
 /// Leaves out knots of thin wood that hardly bends.
 fn simplified(knots: &[Knot]) -> Vec<Knot> {
-    let mut kept = vec![knots[0]];
+    let mut kept = Vec::with_capacity(knots.len());
+    kept.push(knots[0]);
     let mut from = 0;
     for at in 1..knots.len() - 1 {
-        let (a, b) = (knots[from], knots[at + 1]);
-        let straight = knots[from + 1..=at].iter().all(|knot| {
-            let along = (b.position - a.position).try_normalize(1e-12).unwrap_or_else(DVec3::y);
-            let offset = knot.position - a.position;
-            let share = along.dot(&offset) / (b.position - a.position).norm().max(1e-12);
-            let radius = a.radius + (b.radius - a.radius) * share;
-            let aside = (offset - along * along.dot(&offset)).norm();
-            aside < (SLACK * knot.radius).clamp(LEAST_SLACK, 0.0015) && (radius - knot.radius).abs() < 0.2 * knot.radius
-        });
-        if knots[at].radius > THIN || !straight || at - from > 24 {
+        let thick = knots[at].radius > THIN;
+        if thick || at - from > 24 || !is_straight(&knots[from..=at + 1]) {
             kept.push(knots[at]);
             from = at;
         }
@@ -99,30 +79,78 @@ fn simplified(knots: &[Knot]) -> Vec<Knot> {
     kept
 }
 
-/// The unit tangent at a knot: the mean of the adjoining directions, each weighted by the other's length.
-fn tangent(knots: &[Knot], at: usize) -> DVec3 {
+/// Whether the knots between the ends lie so near the chord, in place and radius, that they are not missed.
+fn is_straight(knots: &[Knot]) -> bool {
+    let (a, b) = (knots[0], knots[knots.len() - 1]);
+    let chord = b.position - a.position;
+    let square = chord.norm_squared().max(1e-24);
+    knots[1..knots.len() - 1].iter().all(|knot| {
+        let offset = knot.position - a.position;
+        let share = chord.dot(&offset) / square;
+        let radius = a.above + (b.radius - a.above) * share;
+        let slack = (SLACK * knot.radius).clamp(LEAST_SLACK, 0.0015);
+        (offset - chord * share).norm_squared() < slack * slack && (radius - knot.radius).abs() < 0.2 * knot.radius
+    })
+}
+
+/// The unit tangent at a knot: the mean of the adjoining directions, each weighted by the other's length; where a fork takes
+/// much of the girth away the stem stays straight and the prongs bend.
+pub(super) fn tangent(knots: &[Knot], at: usize) -> DVec3 {
     let ahead = knots.get(at + 1).map(|next| next.position - knots[at].position);
     let behind = at.checked_sub(1).map(|last| knots[at].position - knots[last].position);
     let unit = |vector: DVec3| vector.try_normalize(1e-12).unwrap_or_else(DVec3::y);
     match (behind, ahead) {
-        (Some(behind), Some(ahead)) => unit(unit(behind) * ahead.norm() + unit(ahead) * behind.norm()),
+        (Some(behind), Some(ahead)) => {
+            let share = knots[at].above / knots[at].radius.max(1e-12);
+            let (behind_weight, ahead_weight) = (ahead.norm(), behind.norm() * share * share * share * share);
+            unit(unit(behind) * behind_weight + unit(ahead) * ahead_weight)
+        }
         (Some(only), None) | (None, Some(only)) => unit(only),
         (None, None) => DVec3::y(),
     }
 }
 
-/// Into how many pieces the curve between two knots is cut.
-fn pieces(a: &Knot, b: &Knot, from: DVec3, to: DVec3) -> usize {
+/// Shares of the curve between two knots where rings stand, from 0, without the end.
+fn cuts(a: &Knot, b: &Knot, (from, to): (DVec3, DVec3), foot: bool, shares: &mut Vec<f64>) {
+    shares.clear();
     let chord = b.position - a.position;
-    let along = chord.try_normalize(1e-12).unwrap_or_else(DVec3::y);
+    let long = chord.norm();
+    let along = if long > 1e-12 { chord / long } else { DVec3::y() };
     let turn = acos(from.dot(&along).clamp(-1.0, 1.0)) + acos(to.dot(&along).clamp(-1.0, 1.0));
-    let tolerance = if a.radius >= THICK { TURN } else { TURN * (THICK / a.radius).min(4.0) };
-    let pieces = (turn / tolerance).ceil().max(1.0);
-    let long = if a.radius >= THICK { (chord.norm() / (6.0 * a.radius)).ceil() } else { 1.0 };
-    pieces.max(long).min(16.0) as usize
+    let tolerance = if a.above >= THICK { TURN } else { TURN * (THICK / a.above).min(4.0) };
+    let bent = (turn / tolerance).ceil();
+    // Straight wood needs rings only where its girth changes the run of the bark.
+    let slim = if a.above >= THICK { (long / (16.0 * a.above)).ceil() } else { 1.0 };
+    let pieces = bent.max(slim).clamp(1.0, 16.0);
+    shares.extend((0..pieces as usize).map(|piece| piece as f64 / pieces));
+    if foot {
+        shares.extend(FOOT.iter().map(|radii| radii * a.above / long).filter(|&share| share < 0.9));
+    }
+    if a.radius > 1.06 * a.above {
+        let shoulder = shoulder(a, long) / long;
+        shares.extend([0.33 * shoulder, 0.66 * shoulder, shoulder]);
+    }
+    if shares.len() > pieces as usize {
+        let least = 0.3 * a.above / long;
+        shares.sort_by(f64::total_cmp);
+        shares.dedup_by(|next, last| *next - *last < least);
+        shares.retain(|&share| share < 1.0 - least.min(0.5));
+    }
 }
 
-fn between(a: Knot, b: Knot, from: DVec3, to: DVec3, t: f64) -> Ring {
+/// Over what length the girth falls above a fork, metres.
+fn shoulder(a: &Knot, long: f64) -> f64 {
+    (SHOULDER * a.radius).min(0.6 * long)
+}
+
+/// Radius at a distance from the knot `a` on the way to `b`, which is `long` away.
+pub(super) fn radius(a: &Knot, b: &Knot, long: f64, distance: f64) -> f64 {
+    let t = (distance / shoulder(a, long).max(1e-9)).clamp(0.0, 1.0);
+    let taper = a.above + (b.radius - a.above) * (distance / long.max(1e-9)).clamp(0.0, 1.0);
+    taper + (a.radius - a.above) * (1.0 - t * t * (3.0 - 2.0 * t))
+}
+
+fn between(a: &Knot, b: &Knot, (from, to): (DVec3, DVec3), t: f64) -> Ring {
     let span = (b.position - a.position).norm();
     let (t2, t3) = (t * t, t * t * t);
     let (h0, h1, m0, m1) = (2.0 * t3 - 3.0 * t2 + 1.0, 3.0 * t2 - 2.0 * t3, t3 - 2.0 * t2 + t, t3 - t2);
@@ -130,29 +158,7 @@ fn between(a: Knot, b: Knot, from: DVec3, to: DVec3, t: f64) -> Ring {
     let (d0, n0, n1) = (6.0 * (t - t2), 3.0 * t2 - 4.0 * t + 1.0, 3.0 * t2 - 2.0 * t);
     let along = (b.position - a.position) * d0 + (from * n0 + to * n1) * span;
     let tangent = along.try_normalize(1e-12).unwrap_or(from);
-    let radius = a.radius + (b.radius - a.radius) * t;
-    Ring { centre, tangent, side: DVec3::x(), radius, slope: 0.0, length: 0.0 }
-}
-
-/// Swells a branch where it leaves wood of radius `parent`; the swelling never exceeds the parent.
-fn collar(rings: &mut Vec<Ring>, parent: f64) {
-    let first = rings[0];
-    let reach = parent + 1.5 * first.radius;
-    let second = rings[1];
-    let room = (second.centre - first.centre).norm();
-    if first.radius >= 0.003 && room > reach * 1.2 {
-        // A ring at the end of the swelling and one at the parent's surface, on the first piece's line.
-        for distance in [reach, parent] {
-            let t = distance / room;
-            let centre = first.centre + (second.centre - first.centre) * t;
-            let radius = first.radius + (second.radius - first.radius) * t;
-            rings.insert(1, Ring { centre, radius, ..first });
-        }
-    }
-    for ring in rings.iter_mut() {
-        let beyond = ((ring.centre - first.centre).norm() - parent).max(0.0) / (0.8 * first.radius);
-        ring.radius = (ring.radius * (1.0 + COLLAR * exp(-beyond))).min(parent.max(ring.radius));
-    }
+    Ring { centre, tangent, side: DVec3::x(), radius: radius(a, b, span, t * span), slope: 0.0, length: 0.0 }
 }
 
 /// Carries the first side along the rings without twist.

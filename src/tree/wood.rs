@@ -1,199 +1,202 @@
-//! The mesh of the wood: a tube along each axis with as many sides as its radius deserves, closed at its end, the trunk flared
-//! into lobes at the ground. Branches start inside their parents; the tubes overlap and are not joined into one surface.
+//! The mesh of the wood: a tube along each axis with as many sides as its radius deserves. Where a branch leaves, a sleeve
+//! leads its surface into the parent's (`join`); trunks run out into the ground (`flare`).
+//!
+//! What is watertight: each tube by itself, with its sleeve, foot and tip, across the meshes that its girth puts it in:
+//! every edge is met by exactly two triangles once equal positions are one. Tubes overlap where they meet and are not
+//! one surface; nor are the two pieces of a thick tube where its bark changes, each of which is closed.
+//!
+//! The wood is cut into meshes by girth, each class twice as thick as the last, since bark differs by girth. A class has
+//! bark of one size: u counts its repeats around, a whole number of them, v its repeats along. As a class spans a factor
+//! of two, bark is drawn out or pressed together around by at most the root of two.
 
 use super::axis::axes;
-use super::path::{Ring, rings};
 use super::skeleton::Skeleton;
-use crate::base::maths::{cos, exp, sin, sincos};
+use super::weave::{Circles, Weaver};
 use crate::base::mesh::Mesh;
-use crate::base::vector::{DVec3, Vec2, Vec3};
-use std::f64::consts::TAU;
+use rayon::prelude::*;
+use std::f64::consts::{SQRT_2, TAU};
 
-/// Thinner wood is in the mesh of twigs, metres of radius.
-pub(super) const BARK_RADIUS: f64 = 0.012;
-/// Metres that one repeat of the bark covers.
-const REPEAT: f64 = 0.5;
-/// Swelling of the trunk at the ground, its share of the radius, and of the lobes.
-const FLARE: f64 = 0.45;
-const LOBES: f64 = 0.4;
-const LOBE_COUNT: f64 = 5.0;
+/// Radius that the thinnest class of wood stays below, metres.
+const THINNEST: f64 = 0.006;
+/// Number of classes; the last has no upper bound.
+pub(super) const CLASSES: usize = 10;
+/// The class whose bark goes once around; thicker ones repeat it.
+const ONCE: usize = 5;
+/// Axes that one thread weaves at a time.
+const CHUNK: usize = 256;
 
-/// The meshes of thick and thin wood.
-pub(super) fn meshes(skeleton: &Skeleton) -> (Mesh, Mesh) {
-    let (mut bark, mut twigs) = (Mesh::default(), Mesh::default());
-    for axis in axes(skeleton) {
-        let rings = rings(&axis);
-        let repeats = (TAU * rings[0].radius / REPEAT).round().max(1.0);
-        let root = axis.parent_radius.is_none().then(|| (axis.knots[0].position.y, axis.knots[0].radius));
-        let tube = Tube { repeats, root };
-        let thick = rings.iter().take_while(|ring| ring.radius >= BARK_RADIUS).count();
-        // The ring where the meshes meet belongs to both.
-        let cut = if thick < 2 { 0 } else { thick - 1 };
-        if cut > 0 {
-            tube.add(&mut bark, &rings[..=cut], cut + 1 == rings.len());
-        }
-        if cut + 1 < rings.len() {
-            tube.add(&mut twigs, &rings[cut..], true);
-        }
-    }
-    (bark, twigs)
+/// Wood of one class of girth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wood {
+    /// Number of the class: 0 below 6 mm of radius, each further one up to twice as thick.
+    pub class: usize,
+    /// The surface; texture coordinates count repeats of the bark.
+    pub mesh: Mesh,
+    /// Radius in the middle of the class, metres.
+    pub radius: f64,
+    /// Metres that one repeat of the bark covers around; along the axis it covers twice as much.
+    pub repeat: f64,
 }
 
-struct Tube {
-    /// Repeats of the texture around.
-    repeats: f64,
-    /// Height and radius where the tube stands on the ground.
-    root: Option<(f64, f64)>,
-}
-
-/// Sides of a tube: no side of the trunk is wide enough to be seen, twigs are triangular.
-fn sides(radius: f64) -> u32 {
-    (1.9 * (radius * 1000.0).sqrt()).round().clamp(3.0, 24.0) as u32
-}
-
-impl Tube {
-    fn add(&self, mesh: &mut Mesh, rings: &[Ring], closed: bool) {
-        let mut last: Option<(u32, u32)> = None;
-        let (end, rings) = match rings.split_last() {
-            // The last piece of a twig is a cone.
-            Some((end, rings)) if closed && sides(end.radius) == 3 => (Some(end), rings),
-            _ => (None, rings),
+/// The wood, thinnest class first, classes without wood left out.
+pub(super) fn meshes(skeleton: &Skeleton) -> Vec<Wood> {
+    let axes = axes(skeleton);
+    let circles = Circles::new();
+    let chunks: Vec<Vec<Mesh>> = axes
+        .par_chunks(CHUNK)
+        .map(|chunk| {
+            let mut weaver = Weaver::new(&circles);
+            chunk.iter().for_each(|axis| weaver.weave(axis, &axes));
+            weaver.into_meshes()
+        })
+        .collect();
+    let mut wood = Vec::new();
+    for class in 0..CLASSES {
+        let sum = |length: fn(&Mesh) -> usize| chunks.iter().map(|chunk| length(&chunk[class])).sum::<usize>();
+        let vertices = sum(|mesh| mesh.positions.len());
+        let mut mesh = Mesh {
+            positions: Vec::with_capacity(vertices),
+            normals: Vec::with_capacity(vertices),
+            uvs: Vec::with_capacity(vertices),
+            triangles: Vec::with_capacity(sum(|mesh| mesh.triangles.len())),
         };
-        for ring in rings {
-            let first = mesh.positions.len() as u32;
-            let count = sides(ring.radius).max(if self.root.is_some() { 6 } else { 3 });
-            for vertex in 0..=count {
-                self.vertex(mesh, ring, f64::from(vertex) / f64::from(count));
-            }
-            if let Some(last) = last {
-                zip(mesh, last, (first, count));
-            }
-            last = Some((first, count));
-        }
-        if let (true, Some((first, count)), Some(ring)) = (closed, last, rings.last()) {
-            let apex = end.map_or(ring.centre + ring.tangent * ring.radius, |end| end.centre);
-            close(mesh, first, count, (apex, ring.tangent));
+        chunks.iter().for_each(|chunk| mesh.append(&chunk[class]));
+        if !mesh.triangles.is_empty() {
+            let radius = middle(class);
+            wood.push(Wood { class, mesh, radius, repeat: TAU * radius / repeats(class) });
         }
     }
-
-    /// Adds the vertex at share `around` of the ring. On the ground the radius has lobes, whose slopes tilt the normal.
-    fn vertex(&self, mesh: &mut Mesh, ring: &Ring, around: f64) {
-        // The seam's two vertices must be one point to the last bit.
-        let angle = if around < 1.0 { TAU * around } else { 0.0 };
-        let (sine, cosine) = sincos(angle);
-        let side = ring.side;
-        let other = ring.tangent.cross(&side);
-        let outward = side * cosine + other * sine;
-        let around_tangent = other * cosine - side * sine;
-        let (factor, turn, rise) = self.flare(ring, angle);
-        let radius = ring.radius * factor;
-        let normal =
-            outward - around_tangent * (turn / factor) - ring.tangent * (ring.slope * factor + ring.radius * rise);
-        mesh.positions.push((ring.centre + outward * radius).cast::<f32>());
-        mesh.normals.push(unit(normal));
-        mesh.uvs.push(Vec2::new((around * self.repeats) as f32, (ring.length / REPEAT) as f32));
-    }
-
-    /// Factor on the radius near the ground, its derivative by the angle, and by the length.
-    fn flare(&self, ring: &Ring, angle: f64) -> (f64, f64, f64) {
-        let Some((ground, radius)) = self.root else { return (1.0, 0.0, 0.0) };
-        let scale = 1.6 * radius;
-        let height = (ring.centre.y - ground).max(-scale);
-        let swell = FLARE * exp(-height / scale);
-        let phase = LOBE_COUNT * angle + 0.7 * sin(2.0 * angle);
-        let turn_of_phase = LOBE_COUNT + 1.4 * cos(2.0 * angle);
-        let lobes = 1.0 + LOBES * cos(phase);
-        let turn = -swell * LOBES * sin(phase) * turn_of_phase;
-        (1.0 + swell * lobes, turn, -swell * lobes / scale)
-    }
+    wood
 }
 
-fn unit(vector: DVec3) -> Vec3 {
-    vector.try_normalize(1e-12).unwrap_or_else(DVec3::y).cast::<f32>()
-}
-
-/// Joins two rings, given by first vertex and number of sides, by triangles in the order of their angles.
-fn zip(mesh: &mut Mesh, (a, a_count): (u32, u32), (b, b_count): (u32, u32)) {
-    let (mut i, mut j) = (0, 0);
-    while i < a_count || j < b_count {
-        // Compares the shares (i + 1) / a_count and (j + 1) / b_count without division.
-        let step_a = i < a_count && (j == b_count || (i + 1) * b_count <= (j + 1) * a_count);
-        if step_a {
-            mesh.triangles.push([a + i, a + i + 1, b + j]);
-            i += 1;
-        } else {
-            mesh.triangles.push([a + i, b + j + 1, b + j]);
-            j += 1;
-        }
+pub(super) fn class(radius: f64) -> usize {
+    let (mut class, mut border) = (0, THINNEST);
+    while radius >= border && class + 1 < CLASSES {
+        class += 1;
+        border *= 2.0;
     }
+    class
 }
 
-/// Closes a tube's end by a cone.
-fn close(mesh: &mut Mesh, first: u32, count: u32, (apex, tangent): (DVec3, DVec3)) {
-    let tip = mesh.positions.len() as u32;
-    mesh.positions.push(apex.cast::<f32>());
-    mesh.normals.push(unit(tangent));
-    let uv = mesh.uvs[first as usize];
-    mesh.uvs.push(Vec2::new(uv.x + 0.5 * (mesh.uvs[(first + count) as usize].x - uv.x), uv.y));
-    mesh.triangles.extend((0..count).map(|vertex| [first + vertex, first + vertex + 1, tip]));
+/// Radius in the middle of a class, metres.
+pub(super) fn middle(class: usize) -> f64 {
+    THINNEST / SQRT_2 * f64::from(1u32 << class)
+}
+
+/// Repeats of the bark around wood of a class.
+pub(super) fn repeats(class: usize) -> f64 {
+    f64::from(1u32 << class.saturating_sub(ONCE))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::join::Joint;
+    use super::super::path::rings;
+    use super::super::weave::sides;
     use super::super::{Settings, grow};
     use super::*;
     use crate::base::limits::Limits;
+    use crate::base::vector::DVec3;
+    use std::collections::BTreeMap;
+    use std::f64::consts::PI;
 
-    fn grown(axiom: &str) -> (Mesh, Mesh) {
+    fn grown(axiom: &str) -> Vec<Wood> {
         let settings = Settings { axiom: axiom.to_owned(), iterations: 0, ..Settings::default() };
-        let tree = grow(&settings, 1, &Limits::default()).unwrap().0;
-        (tree.bark, tree.twigs)
+        grow(&settings, 1, &Limits::default()).unwrap().0.wood
+    }
+
+    /// How many triangles meet each edge, equal positions being one; the sum of directions is kept beside.
+    fn edges(wood: &[Wood]) -> BTreeMap<[[u32; 3]; 2], (i32, i32)> {
+        let mut edges = BTreeMap::new();
+        for mesh in wood.iter().map(|wood| &wood.mesh) {
+            let place = |v: u32| -> [u32; 3] { mesh.positions[v as usize].map(f32::to_bits).into() };
+            for &[a, b, c] in &mesh.triangles {
+                for [p, q] in [[a, b], [b, c], [c, a]] {
+                    let (p, q) = (place(p), place(q));
+                    let entry = edges.entry([p.min(q), p.max(q)]).or_insert((0, 0));
+                    entry.0 += 1;
+                    entry.1 += if p < q { 1 } else { -1 };
+                }
+            }
+        }
+        edges
+    }
+
+    const TREES: [&str; 4] = [
+        "!(30)F(1)+(10)F(1)+(10)F(1)",
+        "!(40)F(2)[+(70)!(4)F(1)F(1)]F(1)",
+        // A fork, laterals of many girths, twigs.
+        "!(20)F(0.8)[&(28)!(14.5)F(0.5)[+!(3)F(0.3)!(0.4)F(0.2)]F(0.5)][^(25)!(14)F(0.5)[-!(0.6)F(0.3)]F(0.5)]",
+        "!(2)F(0.3)[+(40)!(0.7)F(0.2)[-!(0.3)F(0.1)]F(0.2)]F(0.3)",
+    ];
+
+    #[test]
+    fn every_tube_is_closed_and_faces_outward() {
+        for axiom in TREES {
+            let wood = grown(axiom);
+            assert!(wood.iter().all(|wood| wood.mesh.check() == Ok(())));
+            let edges = edges(&wood);
+            assert!(edges.len() > 30);
+            let open = edges.values().filter(|&&(count, turn)| count != 2 || turn != 0).count();
+            assert_eq!(open, 0, "{axiom}");
+        }
     }
 
     #[test]
-    fn a_branch_has_the_area_of_its_cylinder_and_starts_inside_its_parent() {
-        // The second axis: 1 m of 4 cm from the middle of 40 cm, less what a polygon of 9 sides lacks, plus the collar.
-        let (bark, _) = grown("!(40)F(2)[+(90)!(4)F(1)F(1)]F(1)");
-        assert_eq!(bark.check(), Ok(()));
-        let far = |t: &&[u32; 3]| t.iter().all(|&v| bark.positions[v as usize].x < -0.5);
-        let area = |t: &[u32; 3]| {
-            let [a, b, c] = t.map(|v| bark.positions[v as usize]);
-            f64::from((b - a).cross(&(c - a)).norm()) * 0.5
+    fn a_trunk_holds_the_volume_of_its_cylinder() {
+        // 2 m of 40 cm and the 30 cm below the ground, without the swelling of the foot but with what its waves add.
+        let wood = grown("!(40)F(2)F(2)F(2)");
+        let mut volume = 0.0;
+        for mesh in wood.iter().map(|wood| &wood.mesh) {
+            for t in &mesh.triangles {
+                let [a, b, c] = t.map(|v| mesh.positions[v as usize].cast::<f64>());
+                volume += a.dot(&b.cross(&c)) / 6.0;
+            }
+        }
+        let cylinder = PI * 0.04 * 6.3;
+        assert!((0.9..1.25).contains(&(volume / cylinder)), "{}", volume / cylinder);
+    }
+
+    #[test]
+    fn a_sleeve_starts_on_its_parent_with_its_normal_and_ends_on_the_branch() {
+        let circles = Circles::new();
+        let settings = Settings {
+            axiom: "!(20)F(1)[&(50)!(10)F(0.5)F(0.5)]!(18)F(1)F(1)".to_owned(),
+            iterations: 0,
+            ..Settings::default()
         };
-        let branch: f64 = bark.triangles.iter().filter(far).map(area).sum();
-        assert!(branch > 0.05 && branch < 0.25, "{branch}");
-        let (low, high) = bark.bounds().unwrap();
-        assert!((low.y + 0.3).abs() < 1e-6 && high.y > 3.0);
+        let axes = axes(&grow(&settings, 1, &Limits::default()).unwrap().0.skeleton);
+        let mut branch = Vec::new();
+        rings(&axes[1], &mut branch);
+        let joint = Joint::new(&axes[0].knots, 1);
+        let sleeve = joint.sleeve(&branch, sides(0.1), |radius| circles.of(radius)).unwrap();
+        let (foot, top) = (&sleeve.rows[0], &sleeve.rows[sleeve.rows.len() - 1]);
+        assert_eq!(foot.len() as u32, sides(0.05));
+        for vertex in foot {
+            let off = (vertex.position.x * vertex.position.x + vertex.position.z * vertex.position.z).sqrt();
+            assert!(off < 0.1 && off > 0.085, "{off}");
+            let outward = DVec3::new(vertex.position.x, 0.0, vertex.position.z).normalize();
+            assert!(vertex.normal.dot(&outward) > 0.9999);
+        }
+        let (start, along) = (branch[0].centre, branch[0].tangent);
+        for vertex in top {
+            let offset = vertex.position - start;
+            let off = (offset - along * along.dot(&offset)).norm();
+            assert!((off - 0.05).abs() < 2e-3, "{off}");
+        }
     }
 
     #[test]
-    fn triangles_face_outward_and_the_seam_closes() {
-        let (bark, _) = grown("!(30)F(1)+(10)F(1)+(10)F(1)");
-        let outward = bark.triangles.iter().filter(|t| {
-            let [a, b, c] = t.map(|v| bark.positions[v as usize]);
-            let normal = t.iter().map(|&v| bark.normals[v as usize]).sum::<Vec3>();
-            (b - a).cross(&(c - a)).dot(&normal) > 0.0
-        });
-        assert_eq!(outward.count(), bark.triangles.len());
-        // Every edge that is not at the open foot is met twice once the seam's double vertices are one.
-        let bits = |v: u32| bark.positions[v as usize].iter().map(|x| x.to_bits()).collect::<Vec<_>>();
-        let mut edges: Vec<_> = bark
-            .triangles
-            .iter()
-            .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
-            .map(|(a, b)| (bits(a).min(bits(b)), bits(a).max(bits(b))))
-            .collect();
-        edges.sort();
-        let single = edges.chunk_by(|a, b| a == b).filter(|edge| edge.len() != 2).count();
-        let foot = sides(0.15) as usize;
-        assert_eq!(single, foot);
-    }
-
-    #[test]
-    fn bark_repeats_a_whole_number_of_times_around() {
-        let (bark, twigs) = grown("!(50)F(2)[+!(1)F(1)]F(1)");
-        let whole = |mesh: &Mesh| mesh.uvs.iter().map(|uv| uv.x).fold(0.0f32, f32::max);
-        assert_eq!(whole(&bark), 3.0);
-        assert_eq!(whole(&twigs), 1.0);
+    fn bark_goes_whole_times_around_and_is_drawn_out_by_less_than_half() {
+        for radius in [0.006, 0.011, 0.013, 0.05, 0.1, 0.19, 0.3, 0.6, 1.1] {
+            let class = class(radius);
+            assert_eq!(repeats(class).fract(), 0.0);
+            let stretch = radius / middle(class);
+            assert!((0.66..1.5).contains(&stretch), "{radius} {stretch}");
+        }
+        for wood in grown("!(50)F(2)[+!(4)F(1)]F(1)!(8)F(1)") {
+            let width = wood.mesh.uvs.iter().map(|uv| uv.x).fold(0.0f32, f32::max);
+            assert!(width >= repeats(wood.class) as f32 && wood.repeat < 0.9);
+        }
     }
 }
