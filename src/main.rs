@@ -4,7 +4,6 @@ use clap::Parser;
 use leafseason::base::diagnostic::{Diagnostic, Diagnostics, Fault};
 use leafseason::base::limits::Limits;
 use leafseason::base::message;
-use leafseason::base::picture::Picture;
 use leafseason::cli::{Cli, Command, Compare, New, Plan, Render, SceneArguments, Verify};
 use leafseason::run::memory;
 use leafseason::run::progress::{Event, Progress};
@@ -130,7 +129,7 @@ fn compare_pictures(arguments: &Compare) -> Result<u8, Diagnostics> {
         scene::read_picture(&asset, &limits).map_err(help)
     };
     let (a, b) = (picture(&arguments.a)?, picture(&arguments.b)?);
-    allow_comparison(&a)?;
+    run::comparison::allow(&a)?;
     let comparison = match compare::compare(&a, &b) {
         Ok(comparison) => comparison,
         Err(sizes) => {
@@ -151,18 +150,6 @@ fn compare_pictures(arguments: &Compare) -> Result<u8, Diagnostics> {
         ))?;
     }
     Ok(u8::from(comparison.max_difference > arguments.max))
-}
-
-/// Refuses pictures whose comparison would not fit into memory.
-fn allow_comparison(picture: &Picture) -> Result<(), Diagnostic> {
-    /// Memory for each pixel of FLIP's planes, bytes (measured: 98).
-    const PIXEL_BYTES: f64 = 105.0;
-    let wanted = f64::from(picture.width) * f64::from(picture.height) * PIXEL_BYTES;
-    if wanted <= memory::available(1) && memory::is_granted(wanted) {
-        return Ok(());
-    }
-    let what = format!("to compare these pictures takes {:.0} MB of memory, more than there is", wanted / 1e6);
-    Err(Diagnostic::error(Fault::Limit, what, "compare parts of them, or run it where more memory is free"))
 }
 
 fn verify(arguments: &Verify) -> Result<u8, Diagnostics> {
