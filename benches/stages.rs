@@ -11,18 +11,18 @@ use leafseason::base::limits::Limits;
 use leafseason::base::mesh::Mesh;
 use leafseason::base::picture::Picture;
 use leafseason::colour::Painted;
-use leafseason::compose::{Garment, Stock, Wardrobe};
+use leafseason::compose::{Form, Garment, Stand, Stock, Wardrobe};
 use leafseason::export::Layout;
 use leafseason::frame::Frame;
 use leafseason::plan::{garments, items};
 use leafseason::run::{self, Options};
-use leafseason::scene::{self, Scene};
+use leafseason::scene::{self, Scene, Species};
 use leafseason::season::LeafStates;
-use leafseason::tree::Tree;
 use leafseason::{colour, deform, export, leaf, raster, season, tree};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::hint::black_box;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
 const ROUNDS: usize = 7;
@@ -39,8 +39,8 @@ struct Case<'a> {
 /// A scene with everything that its stages need from one another.
 struct Inputs {
     scene: Scene,
-    tree: Tree,
-    ids: Vec<u64>,
+    species: Species,
+    stand: Stand,
     worn: Vec<Option<Garment>>,
     blade: Blade,
     shape_jobs: Vec<deform::Job>,
@@ -68,37 +68,39 @@ impl Inputs {
         let limits = Limits::default();
         let (scene, _) = scene::read(path, &[], &[], &limits).expect("a scene");
         let worn_garments = run::plan(&scene, &Options::default()).expect("a plan").garments;
-        let (tree, _) = tree::grow(&scene.tree, scene.seed, &limits).expect("a tree");
-        let ids: Vec<u64> = tree.sites.iter().map(|site| site.id).collect();
-        let states = states(&scene, &ids);
-        let (blade, _) = leaf::model(&scene.leaf, leaf::Pictures::default(), &limits).expect("a blade");
+        let species = scene.species[0].clone();
+        let (tree, _) = tree::grow(&species.tree, scene.seed, &limits).expect("a tree");
+        let standing = scene.standing().expect("room").into_iter().map(|tree| (0, tree)).collect();
+        let stand = Stand::new(vec![Form::new(0, tree)], standing);
+        let states = states(&scene, &stand.leaf_ids);
+        let (blade, _) = leaf::model(&species.leaf, leaf::Pictures::default(), &limits).expect("a blade");
         let shape_jobs = shape_jobs(&scene, &states.names, &worn_garments);
         let texture_jobs = texture_jobs(&scene, &states.names, &worn_garments);
-        let worn = garments(&scene, &ids, &states);
+        let worn = garments(&scene, &stand, &states);
         let shapes = bent(&scene, &blade, &shape_jobs);
-        let textures = colour::paint(&scene.colour, &blade, &texture_jobs, scene.seed).0;
+        let textures = colour::paint(&species.colour, &blade, &texture_jobs, scene.seed).0;
         let wardrobe = wardrobe(&scene, states.names, &worn_garments, &shapes, &textures);
-        let frame = Stock::new(&scene, &tree, &wardrobe).frame(&scene, &tree, &worn);
+        let frame = Stock::new(&scene, &stand, &wardrobe).frame(&scene, &stand, &worn);
         let picture = raster::draw(&frame).0;
-        Self { scene, tree, ids, worn, blade, shape_jobs, texture_jobs, wardrobe, frame, picture }
+        Self { scene, species, stand, worn, blade, shape_jobs, texture_jobs, wardrobe, frame, picture }
     }
 
     fn cases(&self) -> Vec<Case<'_>> {
-        let Self { scene, tree, blade, frame, .. } = self;
+        let Self { scene, species, stand, blade, frame, .. } = self;
         let limits = Limits::default();
-        let grow = move || consume(tree::grow(&scene.tree, scene.seed, &limits));
-        let aged = tree::Settings { age: Some(25.0), ..scene.tree.clone() };
+        let grow = move || consume(tree::grow(&species.tree, scene.seed, &limits));
+        let aged = tree::Settings { age: Some(25.0), ..species.tree.clone() };
         let old = move || consume(tree::grow(&aged, scene.seed, &Limits::default()));
         let limits = Limits::default();
-        let model = move || consume(leaf::model(&scene.leaf, leaf::Pictures::default(), &limits));
+        let model = move || consume(leaf::model(&species.leaf, leaf::Pictures::default(), &limits));
         vec![
             case("tree", grow),
             case("tree, 25 years", old),
-            case("season", || consume(states(scene, &self.ids))),
+            case("season", || consume(states(scene, &stand.leaf_ids))),
             case("leaf", model),
             case("deform", || consume(bent(scene, blade, &self.shape_jobs))),
-            case("colour", || consume(colour::paint(&scene.colour, blade, &self.texture_jobs, scene.seed))),
-            case("compose", || consume(Stock::new(scene, tree, &self.wardrobe).frame(scene, tree, &self.worn))),
+            case("colour", || consume(colour::paint(&species.colour, blade, &self.texture_jobs, scene.seed))),
+            case("compose", || consume(Stock::new(scene, stand, &self.wardrobe).frame(scene, stand, &self.worn))),
             case(UNIT, || consume(raster::draw(frame))),
             Case { threads: 2, ..case("raster", || consume(raster::draw(frame))) },
             case("png", || consume(export::png(&self.picture))),
@@ -114,25 +116,25 @@ fn case<'a>(name: &'static str, work: impl Fn() + Sync + 'a) -> Case<'a> {
 }
 
 fn states(scene: &Scene, ids: &[u64]) -> LeafStates {
-    season::assign(&scene.season, &scene.climate, scene.seed, ids, scene.time.at(0)).0
+    season::assign(&scene.species[0].season, &scene.climate, scene.seed, ids, scene.time.at(0)).0
 }
 
 fn shape_jobs(scene: &Scene, states: &[String], worn: &[Garment]) -> Vec<deform::Job> {
     let job = |(state, variant): (u16, u32)| {
         let state = states[usize::from(state)].clone();
-        let dryness = scene.deform.states.get(&state).map_or(0.0, |shape| shape.dryness);
+        let dryness = scene.species[0].deform.states.get(&state).map_or(0.0, |shape| shape.dryness);
         deform::Job { state, variant, dryness }
     };
-    items(worn, scene.deform.shapes).into_iter().map(job).collect()
+    items(worn, scene.species[0].deform.shapes).into_iter().map(job).collect()
 }
 
 fn texture_jobs(scene: &Scene, states: &[String], worn: &[Garment]) -> Vec<colour::Job> {
     let job = |(state, variant): (u16, u32)| colour::Job { state: states[usize::from(state)].clone(), variant };
-    items(worn, scene.colour.variants).into_iter().map(job).collect()
+    items(worn, scene.species[0].colour.variants).into_iter().map(job).collect()
 }
 
 fn bent(scene: &Scene, blade: &Blade, jobs: &[deform::Job]) -> Vec<Mesh> {
-    deform::deform(&scene.deform, &blade.mesh, jobs, scene.seed, &Limits::default()).expect("shapes").0
+    deform::deform(&scene.species[0].deform, &blade.mesh, jobs, scene.seed, &Limits::default()).expect("shapes").0
 }
 
 /// What each garment is made of; `shapes` and `textures` are in the order of their items.
@@ -140,9 +142,10 @@ fn wardrobe(scene: &Scene, states: Vec<String>, worn: &[Garment], shapes: &[Mesh
     let place = |garment: &Garment, count: u32| {
         items(worn, count).iter().position(|item| *item == (garment.state, garment.variant % count)).expect("an item")
     };
+    let species = &scene.species[0];
     Wardrobe {
-        shapes: worn.iter().map(|garment| (*garment, shapes[place(garment, scene.deform.shapes)].clone())).collect(),
-        textures: worn.iter().map(|g| (*g, textures[place(g, scene.colour.variants)].clone())).collect(),
+        shapes: worn.iter().map(|g| (*g, Arc::new(shapes[place(g, species.deform.shapes)].clone()))).collect(),
+        textures: worn.iter().map(|g| (*g, Arc::new(textures[place(g, species.colour.variants)].clone()))).collect(),
         states,
     }
 }

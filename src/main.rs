@@ -4,7 +4,6 @@ use clap::Parser;
 use leafseason::base::diagnostic::{Diagnostic, Diagnostics, Fault};
 use leafseason::base::limits::{Limit, Limits};
 use leafseason::base::message;
-use leafseason::base::picture::Picture;
 use leafseason::cli::{Cli, Command, Compare, New, Plan, Render, SceneArguments, Study, Verify};
 use leafseason::run::memory;
 use leafseason::run::progress::{Event, Progress};
@@ -132,7 +131,7 @@ fn compare_pictures(arguments: &Compare) -> Result<u8, Diagnostics> {
         scene::read_picture(&asset, &limits).map_err(help)
     };
     let (a, b) = (picture(&arguments.a)?, picture(&arguments.b)?);
-    allow_comparison(&a)?;
+    run::comparison::allow(&a)?;
     let comparison = match compare::compare(&a, &b) {
         Ok(comparison) => comparison,
         Err(sizes) => {
@@ -153,18 +152,6 @@ fn compare_pictures(arguments: &Compare) -> Result<u8, Diagnostics> {
         ))?;
     }
     Ok(u8::from(comparison.max_difference > arguments.max))
-}
-
-/// Refuses pictures whose comparison would not fit into memory.
-fn allow_comparison(picture: &Picture) -> Result<(), Diagnostic> {
-    /// Memory for each pixel of FLIP's planes, bytes (measured: 98).
-    const PIXEL_BYTES: f64 = 105.0;
-    let wanted = f64::from(picture.width) * f64::from(picture.height) * PIXEL_BYTES;
-    if wanted <= memory::available(1) && memory::is_granted(wanted) {
-        return Ok(());
-    }
-    let what = format!("to compare these pictures takes {:.0} MB of memory, more than there is", wanted / 1e6);
-    Err(Diagnostic::error(Fault::Limit, what, "compare parts of them, or run it where more memory is free"))
 }
 
 fn verify(arguments: &Verify) -> Result<u8, Diagnostics> {
@@ -212,13 +199,15 @@ fn study_species(arguments: &Study) -> Result<u8, Diagnostics> {
         None => None,
     };
     limits.set(Limit::Memory, limits.get(Limit::Memory).min(memory::available(rayon::current_num_threads())));
-    let subjects = scene.as_ref().map_or_else(study::trees::built_in, |scene| vec![subject(scene)]);
-    let lines =
-        study::trees::lines(&subjects, &limits, arguments.quick).map_err(|failure| match (failure, &scene) {
-            (Failure::Tree(error), Some(scene)) => run::fault::tree(scene, &error),
-            (Failure::Leaf(error), Some(scene)) => run::fault::leaf(scene, &error),
+    let subjects = scene.as_ref().map_or_else(study::trees::built_in, subjects);
+    let lines = study::trees::lines(&subjects, &limits, arguments.quick).map_err(|(number, failure)| {
+        let species = scene.as_ref().map(|scene| &scene.species[number]);
+        match (failure, species) {
+            (Failure::Tree(error), Some(species)) => run::fault::tree(species, &error),
+            (Failure::Leaf(error), Some(species)) => run::fault::leaf(species, &error),
             (failure, None) => Diagnostic::error(Fault::Bug, failure.to_string(), "please report it").into(),
-        })?;
+        }
+    })?;
     let file = arguments.out.join("trees.csv");
     let failed = |error: &dyn std::fmt::Display| {
         let what = format!("cannot write {}: {error}", message::shown(&file.to_string_lossy(), 200));
@@ -230,11 +219,14 @@ fn study_species(arguments: &Study) -> Result<u8, Diagnostics> {
     Ok(u8::from(lines.iter().any(|line| !line.is_met())))
 }
 
-/// A scene's species; a species file goes by its name without folder and ending.
-fn subject(scene: &Scene) -> study::trees::Subject {
-    let species = scene.species.as_deref().unwrap_or(&scene.name);
-    let name = Path::new(species).file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    study::trees::Subject { name, seed: scene.seed, tree: scene.tree.clone(), leaf: scene.leaf.clone() }
+/// A scene's species, in their order; a species file goes by its name without folder and ending.
+fn subjects(scene: &Scene) -> Vec<study::trees::Subject> {
+    let subject = |species: &scene::Species| {
+        let name = species.name.as_deref().unwrap_or(&scene.name);
+        let name = Path::new(name).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        study::trees::Subject { name, seed: scene.seed, tree: species.tree.clone(), leaf: species.leaf.clone() }
+    };
+    scene.species.iter().map(subject).collect()
 }
 
 /// Reads a scene with its arguments and prints its warnings.

@@ -3,8 +3,8 @@
 //! bent and no texture painted that no leaf wears.
 
 use crate::base::message::shown;
-use crate::compose::{Garment, variant};
-use crate::scene::Scene;
+use crate::compose::{Garment, Stand, variant};
+use crate::scene::{Scene, Species};
 use crate::season::LeafStates;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -104,15 +104,17 @@ pub struct Counted {
     pub signature: u64,
 }
 
-/// What every leaf wears; `None` for a leaf that has fallen. `leaf_ids` are the sites' ids, in their order.
+/// What every leaf wears, in the order of the stand's ids; `None` for a leaf that has fallen or whose species has no seasons.
 #[must_use]
-pub fn garments(scene: &Scene, leaf_ids: &[u64], states: &LeafStates) -> Vec<Option<Garment>> {
-    let off_the_tree: Vec<bool> = states.names.iter().map(|name| is_off_the_tree(name)).collect();
-    let count = variants(scene);
-    let wears = |(&id, &state): (&u64, &u16)| {
-        (!off_the_tree[usize::from(state)]).then(|| Garment { state, variant: variant(scene.seed, id, count) })
+pub fn garments(scene: &Scene, stand: &Stand, states: &LeafStates) -> Vec<Option<Garment>> {
+    let on_the_tree: Vec<bool> = states.names.iter().map(|name| !is_off_the_tree(name)).collect();
+    let counts: Vec<u32> = scene.species.iter().map(Species::variants).collect();
+    let wears = |((species, &id), &state): ((usize, &u64), &u16)| {
+        let hangs = on_the_tree.get(usize::from(state)).copied().unwrap_or(false);
+        let variant = || variant(scene.seed, id, counts[species]);
+        hangs.then(|| Garment { species: species as u16, state, variant: variant() })
     };
-    leaf_ids.iter().zip(&states.states).map(wears).collect()
+    stand.species_of_leaves().zip(&stand.leaf_ids).zip(&states.states).map(wears).collect()
 }
 
 /// Whether a leaf in this state shows no leaf on the tree.
@@ -126,25 +128,47 @@ pub const FALLEN: &str = "fallen";
 /// Name of the state of a leaf that is still in its bud.
 pub const BUD: &str = "bud";
 
-/// Number of garments of each state: shapes and textures vary together, so that a model is one of each.
-#[must_use]
-pub fn variants(scene: &Scene) -> u32 {
-    scene.deform.shapes.max(scene.colour.variants)
+/// What is known of a species before anything costly is done.
+#[derive(Clone, Debug, Default)]
+pub struct Roll {
+    /// Trees of the species.
+    pub trees: usize,
+    /// Different forms of them.
+    pub forms: usize,
+    /// Numbers of its states, ascending; empty without leaves or seasons.
+    pub states: Vec<u16>,
+    /// Whether a leaf can come to each of them.
+    pub reachable: Vec<bool>,
 }
 
-/// Plans the frames that were counted. With `leave_out` false every shape and texture is a job and no frame is taken from
-/// another: the same files come out, which tests use to prove that nothing left out was needed.
+/// Plans the frames that were counted. `states` names the states of all species, `rolls` holds what is known of each. With
+/// `leave_out` false every shape and texture is a job and no frame is taken from another: the same files come out, which
+/// tests use to prove that nothing left out was needed.
 #[must_use]
-pub fn plan(scene: &Scene, states: &[String], reachable: &[bool], counted: &[Counted], leave_out: bool) -> Plan {
+pub fn plan(scene: &Scene, states: &[String], rolls: &[Roll], counted: &[Counted], leave_out: bool) -> Plan {
     let mut plan = Plan::default();
-    plan.job("tree", "", &["season", "compose"]);
+    let is_one = rolls.iter().map(|roll| roll.trees).sum::<usize>() == 1;
+    for (species, roll) in scene.species.iter().zip(rolls) {
+        let Roll { trees, forms, .. } = roll;
+        let name = if is_one { String::new() } else { format!("{} ({trees} trees, {forms} forms)", species.label()) };
+        plan.job("tree", &name, &["season", "compose"]);
+    }
     if counted.is_empty() {
         for stage in ["leaf", "deform", "colour", "compose", "raster", "png", "gltf"] {
             plan.leave(stage, Reason::AlreadyDone);
         }
         return plan;
     }
-    plan_leaves(&mut plan, scene, states, reachable, counted, leave_out);
+    if states.is_empty() {
+        for stage in ["season", "leaf", "deform", "colour"] {
+            plan.leave(stage, Reason::NotAskedFor);
+        }
+    } else {
+        plan.job("season", "", &["compose"]);
+        for number in 0..rolls.len() {
+            plan_leaves(&mut plan, scene, states, (number, &rolls[number]), counted, leave_out);
+        }
+    }
     plan_outputs(&mut plan, scene);
     plan_frames(&mut plan, counted, leave_out);
     plan
@@ -164,55 +188,83 @@ impl Plan {
     pub fn has(&self, stage: &str) -> bool {
         self.jobs.iter().any(|job| job.stage == stage)
     }
+
+    /// What leaves of a species wear in any frame.
+    #[must_use]
+    pub fn garments_of(&self, species: usize) -> Vec<Garment> {
+        self.garments.iter().copied().filter(|garment| usize::from(garment.species) == species).collect()
+    }
+
+    /// The plans of a contact sheet's cells as one, each item told with its seed.
+    #[must_use]
+    pub fn of_sheet(cells: Vec<(u64, Self)>) -> Self {
+        let mut sheet = Self::default();
+        for (seed, plan) in cells {
+            let of_seed = |what: &str| format!("{what} (seed {seed})").trim_start().to_owned();
+            sheet.jobs.extend(plan.jobs.iter().map(|job| Job { name: of_seed(&job.name), ..job.clone() }));
+            sheet
+                .left_out
+                .extend(plan.left_out.iter().map(|left| LeftOut { what: of_seed(&left.what), ..left.clone() }));
+            sheet.frames = plan.frames;
+        }
+        sheet
+    }
 }
 
+/// The jobs of one species; where there are several, its name stands before theirs.
 fn plan_leaves(
     plan: &mut Plan,
     scene: &Scene,
     states: &[String],
-    reachable: &[bool],
+    (number, roll): (usize, &Roll),
     counted: &[Counted],
     leave_out: bool,
 ) {
-    if states.is_empty() {
-        for stage in ["season", "leaf", "deform", "colour"] {
-            plan.leave(stage, Reason::NotAskedFor);
+    let species = &scene.species[number];
+    let label = if scene.species.len() == 1 { String::new() } else { format!("{} ", species.label()) };
+    if roll.states.is_empty() {
+        for stage in ["leaf", "deform", "colour"] {
+            plan.leave(format!("{stage} {label}").trim_end(), Reason::NotAskedFor);
         }
         return;
     }
-    plan.job("season", "", &["compose"]);
     let worn: BTreeSet<Garment> = counted.iter().flat_map(|frame| frame.worn.iter().copied()).collect();
-    let every = (0..states.len() as u16).filter(|&state| !is_off_the_tree(&states[usize::from(state)]));
-    let every = every.flat_map(|state| (0..variants(scene)).map(move |variant| Garment { state, variant }));
+    let every = roll.states.iter().filter(|&&state| !is_off_the_tree(&states[usize::from(state)]));
+    let garment = |state: u16, variant: u32| Garment { species: number as u16, state, variant };
+    let every = every.flat_map(|&state| (0..species.variants()).map(move |variant| garment(state, variant)));
     let (kept, dropped): (Vec<Garment>, Vec<Garment>) = every.partition(|g| !leave_out || worn.contains(g));
     if kept.is_empty() {
         for stage in ["leaf", "deform", "colour"] {
-            plan.leave(stage, Reason::NoLeafLeft);
+            plan.leave(format!("{stage} {label}").trim_end(), Reason::NoLeafLeft);
         }
         return;
     }
-    plan.job("leaf", "", &["deform", "colour"]);
+    plan.job("leaf", label.trim_end(), &["deform", "colour"]);
+    let is_reachable = |state: u16| {
+        let place = roll.states.binary_search(&state);
+        place.is_ok_and(|place| roll.reachable.get(place).copied().unwrap_or(false))
+    };
     let textured = scene.output.png || scene.output.gltf.is_some();
     for (stage, feeds, count) in
-        [("deform", "compose", scene.deform.shapes), ("colour", "compose", scene.colour.variants)]
+        [("deform", "compose", species.deform.shapes), ("colour", "compose", species.colour.variants)]
     {
         if stage == "colour" && !textured {
-            plan.leave(stage, Reason::NotAskedFor);
+            plan.leave(format!("{stage} {label}").trim_end(), Reason::NotAskedFor);
             continue;
         }
-        for (state, variant) in items(&kept, count) {
-            plan.job(stage, &format!("{} {variant}", states[usize::from(state)]), &[feeds]);
-        }
         let made = items(&kept, count);
+        for (state, variant) in &made {
+            plan.job(stage, &format!("{label}{} {variant}", states[usize::from(*state)]), &[feeds]);
+        }
         for (state, variant) in items(&dropped, count).difference(&made) {
-            let reason = if reachable[usize::from(*state)] { Reason::WornByNoLeaf } else { Reason::Unreachable };
-            plan.leave(format!("{stage} {} {variant}", states[usize::from(*state)]), reason);
+            let reason = if is_reachable(*state) { Reason::WornByNoLeaf } else { Reason::Unreachable };
+            plan.leave(format!("{stage} {label}{} {variant}", states[usize::from(*state)]), reason);
         }
     }
-    plan.garments = kept;
+    plan.garments.extend(kept);
 }
 
-/// The items of a stage that makes `count` variants of a state, for these garments.
+/// The items of a stage that makes `count` variants of a state, for these garments of one species.
 #[must_use]
 pub fn items(garments: &[Garment], count: u32) -> BTreeSet<(u16, u32)> {
     garments.iter().map(|garment| (garment.state, garment.variant % count.max(1))).collect()

@@ -4,7 +4,7 @@ use crate::base::figures::{ErrorFigure, Figures};
 use crate::base::message::shown;
 use crate::plan::LeftOut;
 use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -39,7 +39,7 @@ pub struct FrameReport {
     pub day: f64,
     /// Its date, with a weather series.
     pub date: Option<String>,
-    /// Leaf sites of the tree.
+    /// Leaf sites of all trees.
     pub leaves: u64,
     /// How many leaves are in each state.
     pub states: BTreeMap<String, u64>,
@@ -124,6 +124,14 @@ impl Report {
     pub fn note(&mut self, stage: &str, name: &str, value: impl Into<Value>) {
         if let Some(stage) = self.stages.iter_mut().find(|known| known.name == stage) {
             stage.figures.insert(name.to_owned(), value.into());
+        }
+    }
+
+    /// Keeps the figures of one species beside those of a stage that runs for each: `species.NAME.FIGURE`.
+    pub fn note_of(&mut self, stage: &str, species: &str, figures: Figures) {
+        let table = self.stage(stage).figures.entry("species".to_owned()).or_insert_with(|| Value::Object(Map::new()));
+        if let Value::Object(table) = table {
+            table.insert(species.to_owned(), Value::Object(figures.values.into_iter().collect()));
         }
     }
 

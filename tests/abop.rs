@@ -44,7 +44,7 @@ fn level(frame: DMat3) -> DMat3 {
 fn grown(name: &str, changes: &[String]) -> Vec<Segment> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(format!("{name}.toml"));
     let (scene, _) = scene::read(&path, changes, &[], &Limits::default()).unwrap_or_else(|fault| panic!("{fault}"));
-    tree::grow(&scene.tree, scene.seed, &Limits::default()).expect("a tree").0.skeleton.segments
+    tree::grow(&scene.species[0].tree, scene.seed, &Limits::default()).expect("a tree").0.skeleton.segments
 }
 
 /// Holds the scene's tree to the ends wanted, piece by piece in the order of growth.

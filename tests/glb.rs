@@ -5,6 +5,7 @@ use leafseason::base::mesh::Mesh;
 use leafseason::base::vector::{Affine, DVec3, Mat3, Vec2, Vec3, rotated};
 use leafseason::export::{ExportError, Layout, glb};
 use leafseason::frame::{Camera, Frame, Ground, Instance, Material, Model, Part, Sky, Sun, Texture, ToneMap, View};
+use std::sync::Arc;
 
 const LAYOUTS: [Layout; 3] = [Layout::Nodes, Layout::Merged, Layout::Instanced];
 const LEAVES: usize = 19;
@@ -62,13 +63,15 @@ fn frame() -> Frame {
     let trunk = Instance { model: 0, transform: Affine::identity(), leaf: None };
     let leaf = |i: usize| Instance { model: 1 + (i % 2) as u32, transform: place(i + 1), leaf: Some(7_000 + i as u64) };
     Frame {
-        meshes: vec![quad(0.3, 4.0), quad(0.1, 0.12), quad(0.004, 0.05), quad(9.0, 9.0)],
-        textures: vec![
+        meshes: [quad(0.3, 4.0), quad(0.1, 0.12), quad(0.004, 0.05), quad(9.0, 9.0)].map(Arc::new).into(),
+        textures: [
             texture("bark", true, 9),
             texture("leaf_red", false, 70),
             texture("through", false, 3),
             texture("ground", true, 0),
-        ],
+        ]
+        .map(Arc::new)
+        .into(),
         materials: vec![
             material("bark", 0, None, [0.0; 3]),
             material("leaf_red", 1, Some(2), [0.5, 0.25, 0.1]),
@@ -244,7 +247,7 @@ fn the_same_frame_gives_the_same_bytes() {
 fn large_meshes_take_wide_indices_and_small_ones_narrow() {
     let mut frame = frame();
     let positions = (0..70_000).map(|i| Vec3::new(i as f32, 0.0, (i % 3) as f32)).collect::<Vec<_>>();
-    frame.meshes[0] = Mesh {
+    *Arc::make_mut(&mut frame.meshes[0]) = Mesh {
         normals: vec![Vec3::y(); positions.len()],
         uvs: vec![Vec2::zeros(); positions.len()],
         triangles: vec![[0, 1, 69_999]],
@@ -266,10 +269,13 @@ fn broken_frames_are_refused_and_nothing_is_written() {
         (|f| f.models[1].parts[0].mesh = 9, |e| matches!(e, ExportError::Missing { kind: "mesh", .. })),
         (|f| f.models[1].parts[0].material = 9, |e| matches!(e, ExportError::Missing { kind: "material", .. })),
         (|f| f.materials[1].transmitted = Some(9), |e| matches!(e, ExportError::Missing { kind: "texture", .. })),
-        (|f| f.meshes[1].positions[0].x = f32::NAN, |e| matches!(e, ExportError::Mesh { mesh: 1, .. })),
+        (
+            |f| Arc::make_mut(&mut f.meshes[1]).positions[0].x = f32::NAN,
+            |e| matches!(e, ExportError::Mesh { mesh: 1, .. }),
+        ),
         (|f| f.materials[0].roughness = f32::INFINITY, |e| matches!(e, ExportError::NotFinite { .. })),
         (|f| f.instances[2].transform.linear *= -1.0, |e| matches!(e, ExportError::NotSimilar { instance: 2, .. })),
-        (|f| f.textures[0].pixels.truncate(63), |e| matches!(e, ExportError::Size { .. })),
+        (|f| Arc::make_mut(&mut f.textures[0]).pixels.truncate(63), |e| matches!(e, ExportError::Size { .. })),
     ];
     for (break_it, is_wanted) in table {
         for layout in LAYOUTS {

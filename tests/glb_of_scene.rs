@@ -32,7 +32,7 @@ fn said(layout: &str) -> Said {
     assert!(frame.fallen > 0 && frame.fallen < frame.leaves);
     assert_eq!(hanging.len() as u64, frame.leaves - frame.fallen);
     let plan = run::plan(&scene, &Options::default()).unwrap();
-    let names: Vec<&String> = scene.season.states.keys().collect();
+    let names: Vec<&String> = scene.species[0].season.states.keys().collect();
     let model = |garment: &leafseason::compose::Garment| {
         format!("leaf_{}_{}", names[usize::from(garment.state)].replace('-', "_"), garment.variant)
     };

@@ -59,7 +59,7 @@ fn the_smallest_scene_and_the_starter_read_without_a_word() {
     let whole =
         starter.replace("# from", "from").replace("# to", "to").replace("# step", "step").replace("day =", "# day =");
     let run = whole.replace("# gltf", "gltf").replace("# age", "age");
-    assert_eq!(read(&run, &[]).unwrap().time.frames().len(), 121);
+    assert_eq!(read(&run, &[]).unwrap().time.count(), 121.0);
 }
 
 #[test]
@@ -200,7 +200,7 @@ fn assignments_stand_above_the_scene_and_take_bare_words() {
     ];
     let scene = read(&text, &sets).unwrap();
     assert_eq!(scene.output.gltf, Some(scene::output::Gltf::Nodes));
-    assert_eq!(scene.time.frames(), vec![3.0]);
+    assert_eq!((scene.time.count(), scene.time.at(0)), (1.0, 3.0));
     assert_eq!((scene.climate.humidity, scene.climate.temperature), (0.3, -4.0));
     refuse(
         GOOD,
@@ -271,7 +271,8 @@ fn a_species_file_at_fault_is_told_at_its_own_line() {
 #[test]
 fn a_scene_with_an_l_system_of_its_own_needs_no_species() {
     let scene = read("[tree]\naxiom = \"A\"\nrules = [\"A -> F\"]\n", &[]).unwrap();
-    assert_eq!((scene.species, scene.tree.axiom.as_str()), (None, "A"));
+    let species = &scene.species[0];
+    assert_eq!((&species.name, species.tree.axiom.as_str()), (&None, "A"));
     refuse("[tree]\naxiom = \"A\"\n", &[], &["scene.toml:1:1: error: the scene names no species"]);
 }
 
@@ -323,7 +324,9 @@ fn assets_stay_below_their_folders() {
     let folder = folder(GOOD);
     fs::write(folder.path().join("grape.png"), "x").unwrap();
     let roots = [root.path().to_owned()];
-    let found = |name: &str| read_in(folder.path(), &[&format!("leaf.picture='{name}'")], &roots).map(|s| s.assets);
+    let found = |name: &str| {
+        read_in(folder.path(), &[&format!("leaf.picture='{name}'")], &roots).map(|s| s.species[0].assets.clone())
+    };
     assert_eq!(found("far.png").unwrap()["leaf.picture"].path, root.path().join("far.png"));
     assert!(found("./x/../grape.png").is_ok());
     for (name, word) in [
@@ -407,4 +410,77 @@ fn the_resolved_scene_depends_on_values_and_contents_alone() {
     let value = resolved(&one);
     let keys: Vec<&String> = value.as_object().unwrap().keys().collect();
     assert!(keys.is_sorted());
+}
+
+#[test]
+fn trees_are_checked_like_every_other_table() {
+    refuse_below(
+        "[[trees]]\nplace = [nan, 0]\n[[trees]]\nplase = [1, 2]\n[[trees]]\nplace = [1, 2, 3]\n[[trees]]\nage = 0\n",
+        &[
+            "scene.toml:3:10: error: `trees.0.place.0` must be a finite number, not nan",
+            "scene.toml:5:1: error: `plase` is not known in [trees.1]; did you mean `place`?",
+            "scene.toml:7:9: error: `trees.2.place` needs 2 values, here are 3",
+            "scene.toml:9:7: error: `trees.3.age` is 0, outside",
+        ],
+    );
+    refuse_below("[trees]\nplace = [0, 0]\n", &["scene.toml:2:2: error: `trees` must be a list"]);
+    refuse_below("trees = []\n", &["scene.toml:2:9: error: `trees` needs 1 to 1000 values, here are 0"]);
+    refuse_below("[[trees]]\nspacing = 3\n", &["scene.toml:3:11: error: `spacing` is for groves"]);
+    refuse_below("[[trees]]\ncount = 50\narea = [8, 8]\n", &["scene.toml:3:9: error: only "]);
+}
+
+#[test]
+fn every_tree_has_a_species_that_is_there() {
+    refuse(
+        "[[trees]]\nspecies = \"red-mapel\"\n[[trees]]\nspecies = \"red-maple\"\n",
+        &[],
+        &["scene.toml:2:11: error: there is no built-in species \"red-mapel\""],
+    );
+    refuse(
+        "[[trees]]\nspecies = \"red-maple\"\n[[trees]]\nplace = [3, 0]\n",
+        &[],
+        &["scene.toml:3:1: error: tree 1 of [[trees]] has no species"],
+    );
+    // The scene's own species is checked although no tree is of it, and told once although two trees are.
+    refuse("species = \"oak\"\n[[trees]]\nspecies = \"red-maple\"\n", &[], &["scene.toml:1:11: error: there is no"]);
+    refuse("species = \"oak\"\n[[trees]]\n[[trees]]\n", &[], &["scene.toml:1:11: error: there is no"]);
+    let trees = read("[[trees]]\nspecies = \"red-maple\"\n[[trees]]\nspecies = \"red-maple\"\nage = 5\n", &[]).unwrap();
+    assert_eq!((trees.species.len(), trees.trees.len()), (1, 2));
+    assert_ne!(trees.trees[0].tree, trees.trees[1].tree);
+}
+
+#[test]
+fn faults_of_two_species_are_told_each_in_its_file_and_those_of_the_scene_once() {
+    let text = "[leaf]\nvertices = 1\n[[trees]]\nspecies = \"a.toml\"\n[[trees]]\nspecies = \"b.toml\"\n";
+    let folder = folder(text);
+    let species = |petiole: &str| format!("[tree]\naxiom = \"F\"\nrules = []\npetiole = {petiole}\n");
+    fs::write(folder.path().join("a.toml"), species("-1")).unwrap();
+    fs::write(folder.path().join("b.toml"), species("-2")).unwrap();
+    let found = messages(&read_in(folder.path(), &[], &[]).unwrap_err());
+    assert_eq!(found.len(), 3, "{found:#?}");
+    for (found, beginning) in found.iter().zip(["scene.toml:2:12", "a.toml:4:11", "b.toml:4:11"]) {
+        assert!(found.starts_with(beginning), "{found}");
+    }
+}
+
+#[test]
+fn contact_sheets_are_pictures_of_cells_that_can_be_seen() {
+    refuse_below("seeds = [1, 2]\noutput.gltf = \"nodes\"\n", &["scene.toml:2:9: error: a contact sheet is a picture"]);
+    refuse_below(
+        "seeds = [1, 2, 3, 4, 5]\nimage = { width = 40, height = 90 }\n",
+        &["scene.toml:2:9: error: cells of 13"],
+    );
+    refuse_below("seeds = []\n", &["scene.toml:2:9: error: `seeds` needs 1 to 100 values, here are 0"]);
+}
+
+#[test]
+fn leaves_of_all_trees_are_held_against_the_limit() {
+    let mut limits = Limits::default();
+    limits.set(Limit::Leaves, 3000.0);
+    let folder = folder("species = \"red-maple\"\ntree.age = 5\n[[trees]]\ncount = 60\nforms = 2\n");
+    let (scene, _) = scene::read(&folder.path().join("scene.toml"), &[], &[], &limits).unwrap();
+    let options = leafseason::run::Options { limits, ..leafseason::run::Options::default() };
+    let Diagnostics(found) = leafseason::run::plan(&scene, &options).unwrap_err();
+    assert_eq!(found[0].fault, Fault::Limit);
+    assert!(found[0].message.starts_with("trees needs "), "{}", found[0].message);
 }

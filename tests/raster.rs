@@ -42,7 +42,7 @@ fn leaf() -> Material {
 /// A leaf before the camera, without light.
 fn frame() -> Frame {
     Frame {
-        meshes: vec![square()],
+        meshes: vec![square().into()],
         textures: Vec::new(),
         materials: vec![leaf()],
         models: vec![Model { name: "leaf".into(), parts: vec![Part { mesh: 0, material: 0 }] }],

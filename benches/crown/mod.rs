@@ -7,6 +7,7 @@ use leafseason::base::random::{Purpose, Stream};
 use leafseason::base::vector::{Affine, DVec3, Mat3, Vec2, Vec3, rotated};
 use leafseason::frame::{Camera, Frame, Ground, Instance, Material, Model, Part, Sky, Sun, Texture, ToneMap, View};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 const LEAVES: u64 = 10_000;
 /// Quads along the sides of a leaf: 10 x 10 x 2 triangles.
@@ -20,9 +21,9 @@ const CROWN: (f64, f64) = (2.5, 4.5);
 pub fn frame() -> Frame {
     let wood = Instance { model: 0, transform: Affine::identity(), leaf: None };
     let leaf = |id| Instance { model: 1, transform: place(id), leaf: Some(id) };
-    let textures = vec![texture("bark", 90), texture("leaf", 200), texture("ground", 130)];
+    let textures = [texture("bark", 90), texture("leaf", 200), texture("ground", 130)].map(Arc::new).into();
     Frame {
-        meshes: vec![trunk(), blade()],
+        meshes: [trunk(), blade()].map(Arc::new).into(),
         textures,
         materials: vec![material("bark", 0, 0.0), material("leaf", 1, 0.3)],
         models: vec![model("trunk", 0), model("leaf", 1)],

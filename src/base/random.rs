@@ -31,6 +31,8 @@ pub enum Purpose {
     Deformation = 8,
     /// Bark, ground and sky detail.
     Surroundings = 9,
+    /// Where the trees of a grove stand and how they are turned.
+    Planting = 16,
 }
 
 /// A stream of numbers for one owner.

@@ -14,13 +14,9 @@ const MOST: u32 = 512;
 /// Size of a pixel that is aimed at, metres.
 const PIXEL: f64 = 0.0017;
 
-/// The textures of some wood, in its order.
-pub(super) fn textures(settings: &Settings, wood: &[Wood], seed: u64) -> Vec<Texture> {
+/// The texture of the wood of one class of girth.
+pub(super) fn texture(settings: &Settings, wood: &Wood, seed: u64) -> Texture {
     let encoder = SrgbEncoder::default();
-    wood.iter().map(|wood| texture(settings, wood, seed, &encoder)).collect()
-}
-
-fn texture(settings: &Settings, wood: &Wood, seed: u64, encoder: &SrgbEncoder) -> Texture {
     let width = ((wood.repeat / PIXEL) as u32).next_power_of_two().clamp(LEAST, MOST);
     let height = width * 2;
     let scale = Scale { around: wood.repeat, along: wood.repeat * 2.0 };
@@ -40,11 +36,12 @@ mod tests {
     use crate::base::maths::srgb_to_linear;
     use crate::base::mesh::Mesh;
     use crate::tree::BarkKind;
+    use std::sync::Arc;
 
     fn wood(class: usize) -> Wood {
         let radius = 0.00425 * f64::from(1u32 << class);
         let repeat = std::f64::consts::TAU * radius.min(0.14);
-        Wood { class, mesh: Mesh::default(), radius, repeat }
+        Wood { class, mesh: Arc::new(Mesh::default()), radius, repeat }
     }
 
     const KINDS: [BarkKind; 5] =
@@ -63,7 +60,7 @@ mod tests {
         // The step over the rim is no larger than the steps inside: there is no seam.
         for kind in KINDS {
             let settings = Settings { bark_kind: kind, ..Settings::default() };
-            let texture = &textures(&settings, &[wood(4)], 1)[0];
+            let texture = texture(&settings, &wood(4), 1);
             let (width, height) = (texture.width as usize, texture.height as usize);
             let step = |a: usize, b: usize| {
                 let [a, b] = [a, b].map(|at| texture.pixels[at].map(i32::from));
@@ -84,7 +81,7 @@ mod tests {
     fn old_bark_breaks_up_and_twigs_have_their_own_colour() {
         for kind in [BarkKind::Ridged, BarkKind::Plated, BarkKind::Papery] {
             let settings = Settings { bark_kind: kind, ..Settings::default() };
-            let textures = textures(&settings, &[wood(0), wood(3), wood(6)], 1);
+            let textures = [0, 3, 6].map(|class| texture(&settings, &wood(class), 1));
             let [twig, young, old] = [0, 1, 2].map(|at| moments(&textures[at]));
             assert!((twig.0 / settings.twig_bark[1] - 1.0).abs() < 0.2, "{kind:?} {twig:?}");
             assert!(old.1 / old.0 > 1.3 * young.1 / young.0, "{kind:?} {young:?} {old:?}");
@@ -95,7 +92,7 @@ mod tests {
     fn a_pixel_is_a_millimetre_or_two() {
         for class in 2..9 {
             let wood = wood(class);
-            let texture = &textures(&Settings::default(), std::slice::from_ref(&wood), 1)[0];
+            let texture = texture(&Settings::default(), &wood, 1);
             let pixel = wood.repeat / f64::from(texture.width);
             assert!((0.0003..0.002).contains(&pixel), "{pixel}");
         }

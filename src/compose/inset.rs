@@ -1,9 +1,11 @@
 //! One leaf, enlarged: the picture in the picture of the paper's Figure 12.
 
 use super::{Garment, Stock};
+use crate::base::mesh::Mesh;
 use crate::base::vector::{Affine, Mat3, Vec3};
-use crate::frame::{Camera, Frame, Instance, Sky};
+use crate::frame::{Camera, Frame, Instance, Sky, Texture};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Side of the inset relative to the picture's height.
 const SIDE: f32 = 0.3;
@@ -40,7 +42,12 @@ impl Stock {
         let light: [f32; 3] = std::array::from_fn(|k| 0.5 * (frame.sky.zenith[k] + frame.sky.horizon[k]));
         let mean = (light[0] + light[1] + light[2]) / 3.0;
         let sky = Sky { zenith: [mean; 3], horizon: [mean * 1.5; 3] };
+        let (meshes, textures) = self.only(model);
         Some(Frame {
+            meshes,
+            textures,
+            materials: self.materials.clone(),
+            models: self.models.clone(),
             instances: vec![Instance { model, transform, leaf: None }],
             camera: Camera {
                 position: Vec3::new(0.0, 1.0, distance),
@@ -53,7 +60,28 @@ impl Stock {
             sky,
             ground: None,
             view,
-            ..frame.clone()
         })
+    }
+
+    /// The meshes and textures with those that a model does not use as empty ones: the rasteriser prepares all it is given.
+    fn only(&self, model: u32) -> (Vec<Arc<Mesh>>, Vec<Arc<Texture>>) {
+        let parts = &self.models[model as usize].parts;
+        let of_material = |number: u32| {
+            let material = &self.materials[number as usize];
+            [material.reflected, material.transmitted].into_iter().flatten()
+        };
+        let textures: Vec<u32> = parts.iter().flat_map(|part| of_material(part.material)).collect();
+        let no_mesh = Arc::new(Mesh::default());
+        let (name, pixels) = (String::new(), vec![[0; 3]]);
+        let no_texture = Arc::new(Texture { name, width: 1, height: 1, pixels, repeat: false });
+        let mesh = |(number, mesh): (usize, &Arc<Mesh>)| {
+            let is_used = parts.iter().any(|part| part.mesh as usize == number);
+            if is_used { mesh.clone() } else { no_mesh.clone() }
+        };
+        let texture = |(number, texture): (usize, &Arc<Texture>)| {
+            let is_used = textures.contains(&(number as u32));
+            if is_used { texture.clone() } else { no_texture.clone() }
+        };
+        (self.meshes.iter().enumerate().map(mesh).collect(), self.textures.iter().enumerate().map(texture).collect())
     }
 }

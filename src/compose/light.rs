@@ -57,22 +57,45 @@ fn air_mass(elevation: f64) -> f64 {
     1.0 / (sin(elevation.to_radians()) + 0.505_72 * pow(elevation + 6.079_95, -1.6364))
 }
 
-/// The distance at which something from height 0 to `height` and `radius` wide fills `share` of a picture of this field of
-/// view (radians, vertical) and aspect, and the tilt of the camera, seen from `eye` metres up.
-pub(super) fn fitted(height: f64, radius: f64, eye: f64, field_of_view: f64, aspect: f64, share: f64) -> (f64, f64) {
+/// A crown as the camera's fit sees it, relative to the point that the camera is turned to; metres.
+pub(super) struct Circle {
+    /// To the right.
+    pub aside: f64,
+    /// Towards the camera.
+    pub towards: f64,
+    /// Widest reach.
+    pub radius: f64,
+    /// Highest point.
+    pub height: f64,
+}
+
+/// The distance at which all crowns fill at most `share` of a picture of this field of view (radians, vertical) and aspect,
+/// and the tilt of the camera, seen from `eye` metres up.
+pub(super) fn fitted(crowns: &[Circle], eye: f64, field_of_view: f64, aspect: f64, share: f64) -> (f64, f64) {
     let half = tan(field_of_view * 0.5);
     let angles = |distance: f64| {
-        let low = libm::atan2(-eye, distance - radius * 0.2);
-        let high = libm::atan2(height - eye, distance - radius * 0.3);
-        (low, high)
+        let of = |crown: &Circle| {
+            let gap = distance - crown.towards;
+            let low = libm::atan2(-eye, gap - crown.radius * 0.2);
+            let high = libm::atan2(crown.height - eye, gap - crown.radius * 0.3);
+            (low, high)
+        };
+        let all = crowns.iter().map(of);
+        all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (l, h)| (low.min(l), high.max(h)))
+    };
+    let wide = |crown: &Circle, distance: f64| {
+        let gap = distance - crown.towards;
+        (crown.aside.abs() + crown.radius) / ((gap - crown.radius * 0.3) * half * aspect)
     };
     let fits = |distance: f64| {
         let (low, high) = angles(distance);
         let tall = tan((high - low) * 0.5) / half;
-        let wide = radius / ((distance - radius * 0.3) * half * aspect);
-        tall <= share && wide <= share
+        tall <= share && crowns.iter().all(|crown| wide(crown, distance) <= share)
     };
-    let (mut near, mut far) = (radius * 1.05 + 0.1, 1e5);
+    let (mut near, mut far) = (0.0f64, 1e5);
+    for crown in crowns {
+        near = near.max(crown.towards + crown.radius * 1.05 + 0.1);
+    }
     for _ in 0..80 {
         let middle = 0.5 * (near + far);
         if fits(middle) { far = middle } else { near = middle }
@@ -103,10 +126,23 @@ mod tests {
 
     #[test]
     fn a_fitted_view_holds_the_tree() {
-        let (distance, tilt) = fitted(9.0, 3.5, 1.6, 0.5, 16.0 / 9.0, 0.82);
+        let tree = Circle { aside: 0.0, towards: 0.0, radius: 3.5, height: 9.0 };
+        let (distance, tilt) = fitted(&[tree], 1.6, 0.5, 16.0 / 9.0, 0.82);
         let top = tan(libm::atan2(9.0 - 1.6, distance) - tilt) / tan(0.25);
         let base = tan(libm::atan2(-1.6, distance) - tilt) / tan(0.25);
         assert!(top < 0.85 && top > 0.7, "{top}");
         assert!(base > -0.85 && base < -0.7, "{base}");
+    }
+
+    #[test]
+    fn a_fitted_view_holds_every_tree_of_a_row_and_a_near_one() {
+        let tree = |aside: f64, towards: f64| Circle { aside, towards, radius: 3.0, height: 8.0 };
+        let row: Vec<Circle> = (-5..=5).map(|k| tree(f64::from(k) * 8.0, 0.0)).chain([tree(0.0, 30.0)]).collect();
+        let (distance, _) = fitted(&row, 1.6, 0.35, 16.0 / 9.0, 0.84);
+        for crown in &row {
+            let edge = (crown.aside.abs() + crown.radius) / ((distance - crown.towards) * tan(0.175) * 16.0 / 9.0);
+            assert!(edge <= 0.84, "{edge}");
+        }
+        assert!(fitted(&row[..11], 1.6, 0.35, 16.0 / 9.0, 0.84).0 <= distance);
     }
 }

@@ -1,29 +1,41 @@
-//! Tree, leaf states, shapes and textures -> [`Frame`].
+//! Trees, leaf states, shapes and textures -> [`Frame`].
 //!
 //! A model is what a leaf can wear: one shape of a state in one of its textures, with a petiole. Leaves are instances of
-//! models; wood is drawn as it was grown. Nothing is decided here by chance but which of its state's variants a leaf wears,
-//! and that by the leaf's own key.
+//! models, and trees are instances of the forms that were grown. Nothing is decided here by chance but which of its state's
+//! variants a leaf wears, and that by the leaf's own key.
 
 mod bark;
 mod bark_pattern;
+pub mod contact_sheet;
 mod ground;
 mod inset;
+mod leaf_area;
 mod light;
 mod petiole;
+pub mod picture_inset;
+mod stand;
 mod sward;
+mod view;
+
+pub use leaf_area::blade_area;
+pub use stand::{Form, Stand};
 
 use crate::base::mesh::Mesh;
 use crate::base::random::{Purpose, Stream};
-use crate::base::vector::{Affine, DVec3, Mat3, Vec3};
+use crate::base::vector::{Affine, Mat3, Vec3};
 use crate::colour::Painted;
-use crate::frame::{Camera, Frame, Instance, Material, Model, Part, Texture, ToneMap, View};
-use crate::scene::{Scene, ground::Cover, light::Tone};
-use crate::tree::{LeafSite, Tree};
+use crate::frame::{Frame, Instance, Material, Model, Part, Texture};
+use crate::scene::{Scene, Species, ground::Cover};
+use crate::tree::LeafSite;
+use stand::Pose;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// One shape of a state in one of its textures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Garment {
+    /// Number of the species.
+    pub species: u16,
     /// Number of the state.
     pub state: u16,
     /// Number of the variant, of the shape and of the texture alike.
@@ -36,9 +48,9 @@ pub struct Wardrobe {
     /// Names of the states.
     pub states: Vec<String>,
     /// Shapes by garment; shared by garments whose shape is the same.
-    pub shapes: BTreeMap<Garment, Mesh>,
-    /// Textures by garment.
-    pub textures: BTreeMap<Garment, Painted>,
+    pub shapes: BTreeMap<Garment, Arc<Mesh>>,
+    /// Textures by garment; shared by garments whose texture is the same.
+    pub textures: BTreeMap<Garment, Arc<Painted>>,
 }
 
 /// The number of the variant that a leaf wears, of `count`.
@@ -48,49 +60,44 @@ pub fn variant(seed: u64, leaf: u64, count: u32) -> u32 {
 }
 
 /// What does not change between the frames of a scene.
+#[derive(Default)]
 pub struct Stock {
-    meshes: Vec<Mesh>,
-    textures: Vec<Texture>,
+    meshes: Vec<Arc<Mesh>>,
+    textures: Vec<Arc<Texture>>,
     materials: Vec<Material>,
     models: Vec<Model>,
     /// Number of the model of each garment.
     worn: BTreeMap<Garment, u32>,
-    wood: u32,
-    petiole_base: Vec3,
+    /// Number of the model of each form's wood.
+    wood: Vec<u32>,
+    /// Where the petiole of each species leaves its twig, in the leaf's coordinates.
+    petiole_bases: Vec<Vec3>,
     ground: Option<crate::frame::Ground>,
 }
 
 impl Stock {
     /// Gathers wood, surroundings and wardrobe of a scene. Textures are made only when a picture or a file reads them.
     #[must_use]
-    pub fn new(scene: &Scene, tree: &Tree, wardrobe: &Wardrobe) -> Self {
-        let mut stock = Self {
-            meshes: Vec::new(),
-            textures: Vec::new(),
-            materials: Vec::new(),
-            models: Vec::new(),
-            worn: BTreeMap::new(),
-            wood: 0,
-            petiole_base: Vec3::zeros(),
-            ground: None,
-        };
-        stock.add_wood(scene, tree);
-        if !wardrobe.shapes.is_empty() {
-            stock.add_leaves(scene, wardrobe);
+    pub fn new(scene: &Scene, stand: &Stand, wardrobe: &Wardrobe) -> Self {
+        let tags = tags(&scene.species);
+        let mut stock = Self { petiole_bases: vec![Vec3::zeros(); scene.species.len()], ..Self::default() };
+        stock.add_wood(scene, stand, &tags);
+        for (number, tag) in tags.iter().enumerate() {
+            stock.add_leaves(scene, number, tag, wardrobe);
         }
         if scene.output.png && scene.ground.kind == Cover::Grass {
-            stock.add_ground(scene);
+            stock.add_ground(scene, stand);
         }
         stock
     }
 
     fn push_texture(&mut self, texture: Texture) -> u32 {
-        self.textures.push(texture);
+        self.textures.push(Arc::new(texture));
         self.textures.len() as u32 - 1
     }
 
-    fn push_mesh(&mut self, mesh: &Mesh) -> u32 {
-        self.meshes.push(mesh.clone());
+    fn push_mesh(&mut self, mesh: Arc<Mesh>) -> u32 {
+        self.meshes.push(mesh);
         self.meshes.len() as u32 - 1
     }
 
@@ -99,43 +106,63 @@ impl Stock {
         self.materials.len() as u32 - 1
     }
 
-    fn add_wood(&mut self, scene: &Scene, tree: &Tree) {
-        let textures = bark::textures(&scene.tree, &tree.wood, scene.seed);
-        let mut parts = Vec::new();
-        for (wooden, texture) in tree.wood.iter().zip(textures) {
-            let name = texture.name.clone();
-            let reflected = Some(self.push_texture(texture));
-            let material = self.push_material(Material { reflected, ..wood(&name, [1.0; 3]) });
-            parts.push(Part { mesh: self.push_mesh(&wooden.mesh), material });
+    /// The wood of every form; the forms of a species share its barks.
+    fn add_wood(&mut self, scene: &Scene, stand: &Stand, tags: &[String]) {
+        let mut barks: BTreeMap<(usize, usize), u32> = BTreeMap::new();
+        for (number, form) in stand.forms.iter().enumerate() {
+            let (settings, tag) = (&scene.species[form.species].tree, &tags[form.species]);
+            let mut parts = Vec::new();
+            for of_class in &form.wood {
+                let material = *barks.entry((form.species, of_class.class)).or_insert_with(|| {
+                    let texture = bark::texture(settings, of_class, scene.seed);
+                    let name = format!("{tag}{}", texture.name);
+                    let texture = self.push_texture(Texture { name: name.clone(), ..texture });
+                    self.push_material(Material { reflected: Some(texture), ..wood(&name, [1.0; 3]) })
+                });
+                parts.push(Part { mesh: self.push_mesh(of_class.mesh.clone()), material });
+            }
+            let name = if stand.forms.len() == 1 { "trunk".to_owned() } else { format!("{tag}trunk_{number}") };
+            self.wood.push(self.models.len() as u32);
+            self.models.push(Model { name, parts });
         }
-        self.models.push(Model { name: "trunk".to_owned(), parts });
     }
 
-    fn add_ground(&mut self, scene: &Scene) {
+    fn add_ground(&mut self, scene: &Scene, stand: &Stand) {
         let texture = self.push_texture(ground::texture(scene.seed));
         let palette = self.push_texture(sward::palette());
         let grass = Material { reflected: Some(palette), ..wood("sward", [1.0; 3]) };
-        let part = Part { material: self.push_material(grass), mesh: self.push_mesh(&sward::mesh(scene.seed)) };
+        let mesh = self.push_mesh(Arc::new(sward::mesh(scene.seed)));
+        let part = Part { material: self.push_material(grass), mesh };
         let model = self.models.len() as u32;
         self.models.push(Model { name: "sward".to_owned(), parts: vec![part] });
-        let cover = vec![Instance { model, transform: Affine::identity(), leaf: None }];
-        self.ground = Some(ground::ground(texture, cover));
+        let places: Vec<[f64; 2]> = stand.trees.iter().map(|(_, tree)| tree.place).collect();
+        let instance = |transform| Instance { model, transform, leaf: None };
+        self.ground = Some(ground::ground(texture, sward::places(&places).into_iter().map(instance).collect()));
     }
 
-    fn add_leaves(&mut self, scene: &Scene, wardrobe: &Wardrobe) {
-        let length = scene.tree.petiole * 1e-3;
-        let bend = scene.tree.petiole_angle.to_radians();
+    /// The models that leaves of a species wear.
+    fn add_leaves(&mut self, scene: &Scene, number: usize, tag: &str, wardrobe: &Wardrobe) {
+        let species = &scene.species[number];
+        let mut shapes =
+            wardrobe.shapes.iter().filter(|(garment, _)| usize::from(garment.species) == number).peekable();
+        if shapes.peek().is_none() {
+            return;
+        }
+        let length = species.tree.petiole * 1e-3;
+        let bend = species.tree.petiole_angle.to_radians();
         let stalk = (length > 0.0).then(|| {
-            self.petiole_base = petiole::base(length, bend);
-            let mesh = self.push_mesh(&petiole::mesh(length, bend));
-            let material = self.push_material(wood("petiole", scene.tree.petiole_colour.map(|c| c as f32)));
+            self.petiole_bases[number] = petiole::base(length, bend);
+            let mesh = self.push_mesh(Arc::new(petiole::mesh(length, bend)));
+            let colour = species.tree.petiole_colour.map(|c| c as f32);
+            let material = self.push_material(wood(&format!("{tag}petiole"), colour));
             Part { mesh, material }
         });
-        for (garment, shape) in &wardrobe.shapes {
+        for (garment, shape) in shapes {
             let state = &wardrobe.states[usize::from(garment.state)];
-            let name = format!("leaf_{}_{}", model_name(state, garment.state), garment.variant);
-            let mesh = self.push_mesh(shape);
-            let material = self.add_leaf_material(scene, &name, state, wardrobe.textures.get(garment));
+            let name = format!("leaf_{tag}{}_{}", model_name(state, garment.state), garment.variant);
+            let mesh = self.push_mesh(shape.clone());
+            let painted = wardrobe.textures.get(garment);
+            let material = self.add_leaf_material(species, &name, state, painted.map(Arc::as_ref));
             let mut parts = vec![Part { mesh, material }];
             parts.extend(stalk);
             self.worn.insert(*garment, self.models.len() as u32);
@@ -143,7 +170,7 @@ impl Stock {
         }
     }
 
-    fn add_leaf_material(&mut self, scene: &Scene, name: &str, state: &str, painted: Option<&Painted>) -> u32 {
+    fn add_leaf_material(&mut self, species: &Species, name: &str, state: &str, painted: Option<&Painted>) -> u32 {
         let mut textures = [None, None];
         if let Some(painted) = painted {
             for (slot, (side, pixels)) in
@@ -155,7 +182,7 @@ impl Stock {
             }
         }
         // A dry leaf has lost its cuticle's sheen (judged, after Qiu et al. 2019 for the living one).
-        let dry = scene.deform.states.get(state).is_some_and(|shape| shape.dryness > 0.8);
+        let dry = species.deform.states.get(state).is_some_and(|shape| shape.dryness > 0.8);
         self.push_material(Material {
             name: name.to_owned(),
             colour: [1.0; 3],
@@ -169,20 +196,29 @@ impl Stock {
         })
     }
 
-    /// One frame: the wood and every leaf that still hangs, in the order of the sites. `worn` gives each site's garment,
-    /// `None` for a leaf that is not there.
+    /// One frame: the wood and every leaf that still hangs, tree by tree. `worn` gives each leaf's garment in the order of
+    /// the stand's ids, `None` for a leaf that is not there.
     #[must_use]
-    pub fn frame(&self, scene: &Scene, tree: &Tree, worn: &[Option<Garment>]) -> Frame {
-        let camera = camera(scene, tree);
+    pub fn frame(&self, scene: &Scene, stand: &Stand, worn: &[Option<Garment>]) -> Frame {
+        let camera = view::camera(scene, stand);
         let view_axis = (camera.target - camera.position).cast::<f64>();
         let lighting = light::lighting(&scene.light, view_axis);
-        let mut instances = Vec::with_capacity(1 + worn.len());
-        if !self.models[self.wood as usize].parts.is_empty() {
-            instances.push(Instance { model: self.wood, transform: Affine::identity(), leaf: None });
+        let hanging = worn.iter().flatten().count();
+        let mut instances = Vec::with_capacity(stand.trees.len() + hanging);
+        for (form, standing) in &stand.trees {
+            let model = self.wood[*form];
+            if !self.models[model as usize].parts.is_empty() {
+                instances.push(Instance { model, transform: Pose::of(standing).affine(), leaf: None });
+            }
         }
-        for (site, garment) in tree.sites.iter().zip(worn) {
+        let sites = stand.standing().flat_map(|(form, standing)| {
+            let pose = Pose::of(standing);
+            form.sites.iter().map(move |site| (form.species, pose, site))
+        });
+        for ((species, pose, site), (garment, &id)) in sites.zip(worn.iter().zip(&stand.leaf_ids)) {
             if let Some(&model) = garment.as_ref().and_then(|garment| self.worn.get(garment)) {
-                instances.push(Instance { model, transform: self.placed(site), leaf: Some(site.id) });
+                let transform = placed(site, pose, self.petiole_bases[species]);
+                instances.push(Instance { model, transform, leaf: Some(id) });
             }
         }
         Frame {
@@ -195,18 +231,33 @@ impl Stock {
             sun: lighting.sun,
             sky: lighting.sky,
             ground: self.ground.clone(),
-            view: view(scene, lighting.exposure),
+            view: view::view(scene, lighting.exposure),
         }
     }
+}
 
-    /// A leaf at its site: the blade as the site says, the petiole's foot on the twig.
-    fn placed(&self, site: &LeafSite) -> Affine {
-        let (blade, normal) = (site.blade, site.normal);
-        let across = blade.cross(&normal);
-        let rotation = nalgebra::Matrix3::from_columns(&[across, blade, normal]);
-        let linear: Mat3 = (rotation * site.scale).cast::<f32>();
-        Affine { linear, translation: site.base.cast::<f32>() - linear * self.petiole_base }
+/// A leaf at its site: the blade as the site says, the petiole's foot on the twig.
+fn placed(site: &LeafSite, pose: Pose, petiole_base: Vec3) -> Affine {
+    let (blade, normal) = (pose.direction(site.blade), pose.direction(site.normal));
+    let across = blade.cross(&normal);
+    let rotation = nalgebra::Matrix3::from_columns(&[across, blade, normal]);
+    let linear: Mat3 = (rotation * site.scale).cast::<f32>();
+    Affine { linear, translation: pose.point(site.base).cast::<f32>() - linear * petiole_base }
+}
+
+/// What the names of each species' models begin with: nothing when there is only one, else its name.
+fn tags(species: &[Species]) -> Vec<String> {
+    if species.len() == 1 {
+        return vec![String::new()];
     }
+    let mut tags: Vec<String> = Vec::new();
+    for (number, one) in species.iter().enumerate() {
+        let stem = one.label().trim_end_matches(".toml").rsplit('/').next().unwrap_or_default();
+        let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' };
+        let tag: String = stem.chars().map(plain).chain(['_']).collect();
+        tags.push(if tags.contains(&tag) { format!("{tag}{number}_") } else { tag });
+    }
+    tags
 }
 
 /// A state's name as models may bear it; a name with other characters than the built-in ones have gives way to its number.
@@ -226,49 +277,5 @@ fn wood(name: &str, colour: [f32; 3]) -> Material {
         gloss: 0.0,
         roughness: 0.95,
         two_sided: false,
-    }
-}
-
-fn view(scene: &Scene, exposure: f32) -> View {
-    View {
-        width: scene.image.width,
-        height: scene.image.height,
-        samples: scene.image.samples,
-        shadow_size: scene.light.shadow_size,
-        exposure,
-        tone_map: match scene.light.tone {
-            Tone::Neutral => ToneMap::Neutral,
-            Tone::None => ToneMap::None,
-        },
-    }
-}
-
-/// Height of the eye of a fitted camera: a standing person's, metres.
-const EYE: f64 = 1.6;
-/// Share of the picture that a fitted tree fills.
-const FILL: f64 = 0.84;
-
-/// The scene's camera; what it leaves open is fitted to the tree, seen from +z.
-fn camera(scene: &Scene, tree: &Tree) -> Camera {
-    let field_of_view = scene.camera.field_of_view.to_radians();
-    let aspect = f64::from(scene.image.width) / f64::from(scene.image.height);
-    let height = tree.height.max(0.2);
-    let radius = tree.crown_radius.max(0.1);
-    let eye = EYE.min(height * 0.6);
-    let (distance, tilt) = light::fitted(height, radius, eye, field_of_view, aspect, FILL);
-    let fitted_position = DVec3::new(0.0, eye, distance);
-    let position = scene.camera.position.map_or(fitted_position, DVec3::from);
-    let fitted_target = if scene.camera.position.is_some() {
-        DVec3::new(0.0, height * 0.5, 0.0)
-    } else {
-        DVec3::new(0.0, eye + distance * libm::tan(tilt), 0.0)
-    };
-    let target = scene.camera.target.map_or(fitted_target, DVec3::from);
-    Camera {
-        position: position.cast::<f32>(),
-        target: target.cast::<f32>(),
-        field_of_view: field_of_view as f32,
-        near: scene.camera.near as f32,
-        far: scene.camera.far as f32,
     }
 }

@@ -1,11 +1,11 @@
 //! Blades of grass about the foot of the tree, so that the trunk stands in the meadow and not on it. Farther away the
 //! ground's texture is enough.
 
-use crate::base::maths::{cos, sin};
+use crate::base::maths::{cos, sin, sincos};
 use crate::base::mesh::Mesh;
 use crate::base::noise::Fractal;
 use crate::base::random::{Purpose, Stream, hash};
-use crate::base::vector::{Vec2, Vec3};
+use crate::base::vector::{Affine, Mat3, Vec2, Vec3};
 use crate::frame::Texture;
 use std::f64::consts::TAU;
 
@@ -35,6 +35,32 @@ pub(super) fn palette() -> Texture {
     let pixels = (0..ROWS).flat_map(|row| COLOURS.map(|c| c.map(|v| shade(v, ROWS - 1 - row)))).collect();
     Texture { name: "sward".to_owned(), width, height: ROWS, pixels, repeat: false }
 }
+
+/// Least distance between the middles of two swards, metres: nearer trees share one, whose blades reach all of their feet.
+const APART: f64 = 4.0;
+
+/// Where swards lie about trees at these places (x, z): each at a tree's foot, turned so that none looks like the last.
+pub(super) fn places(trees: &[[f64; 2]]) -> Vec<Affine> {
+    let mut taken: Vec<[f64; 2]> = Vec::new();
+    for &tree in trees {
+        let is_apart = |other: &[f64; 2]| libm::hypot(tree[0] - other[0], tree[1] - other[1]) >= APART;
+        if taken.iter().all(is_apart) {
+            taken.push(tree);
+        }
+    }
+    let place = |(number, [x, z]): (usize, [f64; 2])| {
+        let (sine, cosine) = sincos(number as f64 * GOLDEN_ANGLE);
+        let (sine, cosine) = (sine as f32, cosine as f32);
+        Affine {
+            linear: Mat3::new(cosine, 0.0, sine, 0.0, 1.0, 0.0, -sine, 0.0, cosine),
+            translation: Vec3::new(x as f32, 0.0, z as f32),
+        }
+    };
+    taken.into_iter().enumerate().map(place).collect()
+}
+
+/// Turn between successive swards, radians.
+const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
 /// The blades, thinning out from the tree's foot.
 pub(super) fn mesh(seed: u64) -> Mesh {
@@ -79,6 +105,13 @@ fn sow(mesh: &mut Mesh, tufts: &Fractal, seed: u64, [row, column]: [i32; 2], cou
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_tree_by_itself_has_the_sward_as_it_is_and_near_trees_share_one() {
+        assert_eq!(places(&[[0.0; 2]]), [Affine::identity()]);
+        let found = places(&[[0.0, 0.0], [3.0, 0.0], [6.0, 0.0]]);
+        assert_eq!(found.iter().map(|place| place.translation.x).collect::<Vec<_>>(), [0.0, 6.0]);
+    }
 
     #[test]
     fn blades_stand_on_the_ground_and_stay_short() {

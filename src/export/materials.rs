@@ -49,7 +49,7 @@ impl Document<'_> {
     }
 
     fn transmission(&mut self, number: u32, material: &Material) -> Result<Option<Extensions>, ExportError> {
-        let texture = material.transmitted.map(|t| &self.frame.textures[t as usize]);
+        let texture = material.transmitted.map(|t| self.frame.textures[t as usize].as_ref());
         let share = largest_transmittance(material, texture);
         if share <= 0.0 {
             return Ok(None);

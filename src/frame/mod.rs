@@ -1,10 +1,11 @@
 //! The waist of the program: everything a picture or a glTF file needs, resolved. No scene file, seed, species or
 //! probability is known from here on; the rasteriser and the exporter see nothing else. Types only.
 //!
-//! Metres, right-handed, +Y up; the trunk meets the ground at the origin.
+//! Metres, right-handed, +Y up; the ground is at height 0, and a tree by itself stands at the origin.
 
 use crate::base::mesh::Mesh;
 use crate::base::vector::{Affine, Vec3};
+use std::sync::Arc;
 
 /// A picture that materials read: 8-bit sRGB, opaque, rows from the top.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,7 +70,7 @@ pub struct Instance {
     pub model: u32,
     /// From the model's to the world's coordinates; no shear, one positive scale.
     pub transform: Affine,
-    /// The leaf's stable id; `None` for wood.
+    /// The leaf's stable id, unlike that of any other leaf in the frame; `None` for wood.
     pub leaf: Option<u64>,
 }
 
@@ -150,15 +151,15 @@ pub struct View {
 /// A resolved moment: what the two outputs are made of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// Meshes, each stored once.
-    pub meshes: Vec<Mesh>,
-    /// Textures, each stored once.
-    pub textures: Vec<Texture>,
+    /// Meshes, each stored once; frames of a run share them.
+    pub meshes: Vec<Arc<Mesh>>,
+    /// Textures, each stored once; frames of a run share them.
+    pub textures: Vec<Arc<Texture>>,
     /// Materials.
     pub materials: Vec<Material>,
     /// Models.
     pub models: Vec<Model>,
-    /// Everything that stands in the scene, wood first, leaves in the order of their sites.
+    /// Everything that stands in the scene: the wood of each tree first, then the leaves, tree by tree.
     pub instances: Vec<Instance>,
     /// The camera.
     pub camera: Camera,

@@ -15,8 +15,11 @@ use crate::frame::{Frame, Material};
 use rayon::prelude::*;
 use std::f32::consts::PI;
 
-/// Cells along the longest side of the volume.
+/// Cells along the longest side of the crown, or of the largest tree of several.
 const CELLS: f32 = 24.0;
+/// Most cells of the volume about several trees; beyond it cells grow. Light gathers over a few metres of foliage, so a cell
+/// may be half a metre wide before crowns look flat.
+const MOST_CELLS: f32 = 300_000.0;
 /// Share of leaf area that a ray meets: the projection of a spherical leaf angle distribution.
 const PROJECTION: f32 = 0.5;
 
@@ -50,7 +53,7 @@ impl Canopy {
         textures: &[MipMap],
         atmosphere: &Atmosphere,
     ) -> Option<Self> {
-        let mut canopy = Self::around(frame)?;
+        let mut canopy = Self::around(frame, meshes)?;
         canopy.fill(frame, meshes, textures);
         let depth = PROJECTION * canopy.size;
         canopy.passed = canopy.cells.iter().map(|cell| expf(-depth * cell.density)).collect();
@@ -60,13 +63,17 @@ impl Canopy {
         Some(canopy)
     }
 
-    fn around(frame: &Frame) -> Option<Self> {
+    fn around(frame: &Frame, meshes: &[ClusteredMesh]) -> Option<Self> {
         let mut leaves = frame.instances.iter().filter(|i| i.leaf.is_some()).map(|i| i.transform.translation);
         let first = leaves.next()?;
         let (low, high) = leaves.fold((first, first), |(low, high), p| (low.inf(&p), high.sup(&p)));
         // The volume reaches down to the ground, where the crown's shade falls.
         let low = Vec3::new(low.x, low.y.min(0.0), low.z);
-        let size = ((high - low).max() / CELLS).max(0.05);
+        let extent = high - low;
+        let size = match largest_of_several(frame, meshes) {
+            Some(tree) => bounded((tree / CELLS).max(0.05), extent),
+            None => (extent.max() / CELLS).max(0.05),
+        };
         let low = low - Vec3::repeat(2.0 * size);
         let counts = ((high - low) / size).map(|cells| cells.ceil() as usize + 3);
         let counts = [counts.x, counts.y, counts.z];
@@ -235,6 +242,30 @@ impl Canopy {
         let gap = (self.low - at).sup(&(at - high)).sup(&Vec3::zeros());
         gap.norm()
     }
+}
+
+/// The longest side of the largest tree, metres, where several pieces of wood stand; `None` for a tree by itself.
+fn largest_of_several(frame: &Frame, meshes: &[ClusteredMesh]) -> Option<f32> {
+    let wood: Vec<u32> = frame.instances.iter().filter(|i| i.leaf.is_none()).map(|i| i.model).collect();
+    let mut models = wood.clone();
+    models.sort_unstable();
+    models.dedup();
+    let extent = |model: &u32| {
+        let parts = frame.models[*model as usize].parts.iter();
+        let clusters = parts.flat_map(|part| meshes[part.mesh as usize].full());
+        let boxes = clusters.map(|c| (c.centre - Vec3::repeat(c.radius), c.centre + Vec3::repeat(c.radius)));
+        boxes.reduce(|(low, high), (l, h)| (low.inf(&l), high.sup(&h))).map(|(low, high)| (high - low).max())
+    };
+    models.iter().filter(|_| wood.len() > 1).filter_map(extent).reduce(f32::max)
+}
+
+/// A cell's side that is large enough for the volume to hold no more than the most cells.
+fn bounded(size: f32, extent: Vec3) -> f32 {
+    let mut size = size;
+    while extent.iter().map(|side| side / size + 6.0).product::<f32>() > MOST_CELLS {
+        size *= 1.05;
+    }
+    size
 }
 
 /// Mean reflectance plus transmittance, and mean transmittance, of a material.

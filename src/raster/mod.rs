@@ -61,8 +61,8 @@ struct Prepared<'a> {
 #[must_use]
 pub fn draw(frame: &Frame) -> (Picture, Figures) {
     let view = frame.view;
-    let meshes: Vec<ClusteredMesh> = frame.meshes.par_iter().map(ClusteredMesh::new).collect();
-    let textures: Vec<MipMap> = frame.textures.par_iter().map(MipMap::new).collect();
+    let meshes: Vec<ClusteredMesh> = frame.meshes.par_iter().map(|mesh| ClusteredMesh::new(mesh)).collect();
+    let textures: Vec<MipMap> = frame.textures.par_iter().map(|texture| MipMap::new(texture)).collect();
     let projection = Projection::camera(&frame.camera, view.width, view.height);
     let atmosphere = Atmosphere::new(frame, &textures);
     let canopy = Canopy::new(frame, &meshes, &textures, &atmosphere);

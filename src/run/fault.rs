@@ -8,27 +8,27 @@ use crate::base::settings::Complaint;
 use crate::deform::DeformError;
 use crate::export::ExportError;
 use crate::leaf::LeafError;
-use crate::scene::{self, Scene};
+use crate::scene::{Places, Species};
 use crate::tree::TreeError;
 
 /// A limit that refused a table of the scene.
-pub fn refused(scene: &Scene, table: &str, refusal: &Refusal) -> Diagnostics {
-    let place = scene.place(&refusal.what).or_else(|| scene.place(table));
+pub fn refused(places: &Places, table: &str, refusal: &Refusal) -> Diagnostics {
+    let place = places.of(&refusal.what).or_else(|| places.of(table));
     Diagnostic::error(Fault::Limit, refusal.to_string(), refusal.help()).at(place).into()
 }
 
 /// The system has less memory left than the scene needs.
-pub fn out_of_memory(scene: &Scene, table: &str, wanted: f64) -> Diagnostics {
+pub fn out_of_memory(places: &Places, table: &str, wanted: f64) -> Diagnostics {
     let what = format!("the scene needs {} MB of memory, which the system does not give", (wanted / 1e6).ceil());
     let help = "ask for less, or run it where more memory is free";
-    Diagnostic::error(Fault::Limit, what, help).at(scene.place(table)).into()
+    Diagnostic::error(Fault::Limit, what, help).at(places.of(table)).into()
 }
 
 /// A fault of the tree.
-pub fn tree(scene: &Scene, error: &TreeError) -> Diagnostics {
+pub fn tree(species: &Species, error: &TreeError) -> Diagnostics {
     match error {
         TreeError::Settings(complaints) => {
-            let diagnostic = |complaint: &Complaint| scene::diagnostic(&scene.places, "tree", complaint.clone()).1;
+            let diagnostic = |complaint: &Complaint| species.places.diagnostic("tree", complaint.clone()).1;
             Diagnostics(complaints.iter().map(diagnostic).collect())
         }
         TreeError::Undefined { key, within } => {
@@ -38,60 +38,60 @@ pub fn tree(scene: &Scene, error: &TreeError) -> Diagnostics {
                 "guard the division or root with a condition, `A(x) : x > 0 -> ...`",
             );
             complaint.within = Some(within.clone());
-            scene::diagnostic(&scene.places, "tree", complaint).1.into()
+            species.places.diagnostic("tree", complaint).1.into()
         }
         TreeError::Length { .. } | TreeError::Width { .. } | TreeError::Leaf { .. } | TreeError::Far => {
             Diagnostic::error(Fault::Scene, error.to_string(), "check the arguments of F, ! and L in the tree's rules")
-                .at(scene.place("tree.rules"))
+                .at(species.places.of("tree.rules"))
                 .into()
         }
         TreeError::Height { .. } => {
             Diagnostic::error(Fault::Scene, error.to_string(), "ask for less, or give tree.age in place of a height")
-                .at(scene.place("tree.height"))
+                .at(species.places.of("tree.height"))
                 .into()
         }
-        TreeError::Refused(refusal) => refused(scene, "tree.rules", refusal),
+        TreeError::Refused(refusal) => refused(&species.places, "tree.rules", refusal),
     }
 }
 
 /// A fault of the leaf's model. A scan that cannot be traced is named; its place is the key that names it.
-pub fn leaf(scene: &Scene, error: &LeafError) -> Diagnostics {
+pub fn leaf(species: &Species, error: &LeafError) -> Diagnostics {
     match error {
         LeafError::Picture { what } => {
-            let name = scene.leaf.picture.as_deref().unwrap_or_default();
+            let name = species.leaf.picture.as_deref().unwrap_or_default();
             let message = format!("{name}: {what}");
             Diagnostic::error(
                 Fault::Asset,
                 message,
                 "give a scan of one whole leaf on a plain background, or an outline",
             )
-            .at(scene.place("leaf.picture"))
+            .at(species.places.of("leaf.picture"))
             .into()
         }
         LeafError::Mesh { what } => {
             Diagnostic::error(Fault::Scene, what.clone(), "mend leaf.outline, or change leaf.vertices")
-                .at(scene.place("leaf.outline"))
+                .at(species.places.of("leaf.outline"))
                 .into()
         }
         LeafError::Shapeless => {
             let help = "name a species, or give leaf.outline or leaf.picture";
-            Diagnostic::error(Fault::Scene, error.to_string(), help).at(scene.place("leaf")).into()
+            Diagnostic::error(Fault::Scene, error.to_string(), help).at(species.places.of("leaf")).into()
         }
-        LeafError::Settings(complaint) => scene::diagnostic(&scene.places, "leaf", complaint.clone()).1.into(),
-        LeafError::Refused(refusal) => refused(scene, "leaf.vertices", refusal),
+        LeafError::Settings(complaint) => species.places.diagnostic("leaf", complaint.clone()).1.into(),
+        LeafError::Refused(refusal) => refused(&species.places, "leaf.vertices", refusal),
     }
 }
 
 /// A fault of the deformation.
-pub fn deform(scene: &Scene, error: &DeformError) -> Diagnostics {
+pub fn deform(species: &Species, error: &DeformError) -> Diagnostics {
     let (key, help) = match error {
         DeformError::Unstable { .. } => ("deform.step", "leave deform.step out to have a stable one chosen"),
         DeformError::Diverged { .. } | DeformError::Stretched { .. } => {
             ("deform.force", "lower deform.force or raise deform.stiffness")
         }
-        DeformError::Refused(refusal) => return refused(scene, "deform.steps", refusal),
+        DeformError::Refused(refusal) => return refused(&species.places, "deform.steps", refusal),
     };
-    Diagnostic::error(Fault::Scene, error.to_string(), help).at(scene.place(key)).into()
+    Diagnostic::error(Fault::Scene, error.to_string(), help).at(species.places.of(key)).into()
 }
 
 /// A file that could not be written.

@@ -1,13 +1,17 @@
 //! Runs a scene: the part that touches disk, clock, threads and signals. Everything it calls is pure.
 
+pub mod comparison;
 pub mod destination;
+mod drawing;
 pub mod fault;
 pub mod files;
 pub mod frame_list;
-mod leaf_area;
+mod growth;
+mod leaf_states;
 pub mod manifest;
 pub mod memory;
-mod picture_inset;
+mod names;
+mod prediction;
 mod preparation;
 pub mod progress;
 pub mod signals;
@@ -17,26 +21,20 @@ pub mod verify;
 mod wardrobe;
 
 use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault};
-use crate::base::figures::Figures;
 use crate::base::limits::{Limit, Limits};
-use crate::base::picture::Picture;
-use crate::compose::{Garment, Stock};
-use crate::export;
-use crate::frame::Frame;
-use crate::plan::{self, LeftOut, Plan, PlannedFrame, Reason};
-use crate::raster;
-use crate::report::{FrameReport, Report};
-use crate::scene::{Scene, output::Gltf};
-use crate::season::LeafStates;
+use crate::compose::contact_sheet::Sheet;
+use crate::plan::{LeftOut, Plan, Reason};
+use crate::report::Report;
+use crate::scene::Scene;
+use drawing::Run;
 use frame_list::{FrameList, Shard};
-use manifest::{Key, Manifest};
-use preparation::Prepared;
+use manifest::Key;
+use names::Names;
+use preparation::{Asked, Prepared};
 use progress::{Event, Progress};
 use signals::Signals;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use stopwatch::timed;
 
 /// How a scene is run; decides no byte of an output.
 #[derive(Clone, Debug)]
@@ -85,17 +83,41 @@ pub struct Outcome {
     pub interrupted: bool,
 }
 
-/// Prints what would be done, without doing it: grows the tree, counts leaves, opens every picture.
+/// Prints what would be done, without doing it: grows the trees, counts leaves, opens every picture.
 ///
 /// # Errors
 /// Faults of the scene, its files or limits.
 pub fn plan(scene: &Scene, options: &Options) -> Result<Plan, Diagnostics> {
     let frames = asked(scene, options)?;
-    let mut report = Report::default();
-    for asset in scene.assets.values() {
+    for asset in scene.species.iter().flat_map(|species| species.assets.values()) {
         crate::scene::read_picture(asset, &options.limits)?;
     }
-    Ok(preparation::prepare(scene, &frames, &options.limits, options.leave_out, &|| false, &mut report)?.plan)
+    let asked = Asked {
+        frames: &frames,
+        limits: &options.limits,
+        leave_out: options.leave_out,
+        states_frames: 0,
+        stop: &|| false,
+    };
+    let prepared = preparation::prepare(cells(scene), &asked, &mut Report::default())?;
+    Ok(whole_plan(scene, &prepared))
+}
+
+/// The scenes that a frame of a scene shows: itself, or one with each seed of a contact sheet.
+fn cells(scene: &Scene) -> Vec<Scene> {
+    let sheet = Sheet::new(scene.image.width, scene.image.height, scene.seeds.len());
+    let cell = |(number, &seed): (usize, &u64)| {
+        let [_, _, width, height] = sheet.cell(number);
+        scene.cell(seed, [width, height])
+    };
+    if scene.seeds.is_empty() { vec![scene.clone()] } else { scene.seeds.iter().enumerate().map(cell).collect() }
+}
+
+/// The plan of all cells.
+fn whole_plan(scene: &Scene, prepared: &[Prepared]) -> Plan {
+    let plans = prepared.iter().map(|cell| cell.plan.clone());
+    let one = plans.clone().next().unwrap_or_default();
+    if scene.seeds.is_empty() { one } else { Plan::of_sheet(scene.seeds.iter().copied().zip(plans).collect()) }
 }
 
 /// Renders the frames that are asked for and not finished yet.
@@ -125,13 +147,19 @@ pub fn render(
     };
     let (kept, to_do): (Vec<i64>, Vec<i64>) = frames.iter().copied().partition(kept);
     progress.tell(Event::Started { frames: frames.len() as u64 });
-    let prepared =
-        preparation::prepare(scene, &to_do, &options.limits, options.leave_out, &|| signals.came(), &mut report)?;
-    report.left_out.clone_from(&prepared.plan.left_out);
+    let asked = Asked {
+        frames: &to_do,
+        limits: &options.limits,
+        leave_out: options.leave_out,
+        states_frames: if options.states.is_some() { frames.len() } else { 0 },
+        stop: &|| signals.came(),
+    };
+    let prepared = preparation::prepare(cells(scene), &asked, &mut report)?;
+    report.left_out = whole_plan(scene, &prepared).left_out;
     report.left_out.extend(
         kept.iter().map(|frame| LeftOut { what: format!("raster frame {frame}"), reason: Reason::AlreadyDone }),
     );
-    let mut run = Run { scene, options, prepared, names, report, states_text: states_file::HEADER.to_owned() };
+    let mut run = Run::new(scene, options, prepared, names, report);
     for frame in kept {
         run.count_kept(frame);
         progress.tell(Event::Kept { frame });
@@ -140,13 +168,14 @@ pub fn render(
     if !to_do.is_empty() {
         run.draw_all(progress, signals, &key, &mut outcome)?;
     }
+    let (mut report, states) = run.finished();
     if let Some(path) = options.states.as_ref().filter(|_| !outcome.interrupted) {
-        files::write(path, run.states_text.as_bytes()).map_err(|error| fault::written(&error))?;
+        files::write(path, states.as_bytes()).map_err(|error| fault::written(&error))?;
     }
-    run.report.frames.sort_by_key(|frame| frame.index);
-    run.report.seconds = start.elapsed().as_secs_f64();
-    run.report.peak_memory_bytes = stopwatch::peak_memory();
-    outcome.report = run.report;
+    report.frames.sort_by_key(|frame| frame.index);
+    report.seconds = start.elapsed().as_secs_f64();
+    report.peak_memory_bytes = stopwatch::peak_memory();
+    outcome.report = report;
     Ok(outcome)
 }
 
@@ -156,7 +185,7 @@ fn asked(scene: &Scene, options: &Options) -> Result<Vec<i64>, Diagnostics> {
     options
         .limits
         .allow(Limit::Frames, "the scene", count)
-        .map_err(|refusal| fault::refused(scene, "time", &refusal))?;
+        .map_err(|refusal| fault::refused(&scene.places, "time", &refusal))?;
     let list = options.frames.clone().unwrap_or_else(|| FrameList::whole(count as u64));
     if let Some(frame) = list.beyond(count as u64) {
         let what = format!("frame {frame} is asked for, but the scene has frames 0 to {}", count - 1.0);
@@ -169,224 +198,6 @@ fn asked(scene: &Scene, options: &Options) -> Result<Vec<i64>, Diagnostics> {
         return Err(Diagnostic::error(Fault::Usage, what, "give time.from, time.to and time.step").into());
     }
     Ok(options.shard.map_or(frames.clone(), |shard| shard.take(&frames)))
-}
-
-/// The names of a scene's files.
-struct Names {
-    scene: String,
-    frames: u64,
-    png: bool,
-    gltf: bool,
-}
-
-impl Names {
-    fn new(scene: &Scene) -> Self {
-        let frames = scene.time.count() as u64;
-        Self { scene: scene.name.clone(), frames, png: scene.output.png, gltf: scene.output.gltf.is_some() }
-    }
-
-    fn png(&self, frame: i64) -> Option<String> {
-        self.png.then(|| format!("{}.png", files::stem(&self.scene, frame, self.frames)))
-    }
-
-    fn gltf(&self, frame: i64) -> Option<String> {
-        self.gltf.then(|| format!("{}.glb", files::stem(&self.scene, frame, self.frames)))
-    }
-
-    fn all(&self, frame: i64) -> Vec<String> {
-        self.png(frame).into_iter().chain(self.gltf(frame)).collect()
-    }
-}
-
-/// The files of a frame, by name.
-type FrameFiles = Vec<(String, Vec<u8>)>;
-
-struct Run<'a> {
-    scene: &'a Scene,
-    options: &'a Options,
-    prepared: Prepared,
-    names: Names,
-    report: Report,
-    states_text: String,
-}
-
-impl Run<'_> {
-    fn draw_all(
-        &mut self,
-        progress: &mut Progress,
-        signals: &Signals,
-        key: &dyn Fn(i64) -> Key,
-        outcome: &mut Outcome,
-    ) -> Result<(), Diagnostics> {
-        if signals.came() {
-            outcome.interrupted = true;
-            return Ok(());
-        }
-        let limits = &self.options.limits;
-        let wardrobe = wardrobe::wardrobe(self.scene, &self.prepared, limits, &mut self.report)?;
-        if signals.came() {
-            outcome.interrupted = true;
-            return Ok(());
-        }
-        let stock = self.prepared.plan.has("compose").then(|| {
-            let start = Instant::now();
-            let stock = Stock::new(self.scene, &self.prepared.tree, &wardrobe);
-            self.report.spend("compose", start.elapsed().as_secs_f64());
-            stock
-        });
-        self.make_folder()?;
-        files::clean(&self.options.out);
-        // Pictures that later frames repeat are kept until the last of them.
-        let mut drawn: BTreeMap<i64, FrameFiles> = BTreeMap::new();
-        let frames = self.prepared.plan.frames.clone();
-        let last_use: BTreeMap<i64, i64> = frames.iter().filter_map(|f| Some((f.same_as?, f.index))).collect();
-        for planned in frames {
-            if signals.came() {
-                outcome.interrupted = true;
-                break;
-            }
-            match self.draw(planned, stock.as_ref(), &drawn, key) {
-                Ok(files) => {
-                    progress.tell(Event::Drawn { frame: planned.index });
-                    if last_use.contains_key(&planned.index) {
-                        drawn.insert(planned.index, files);
-                    }
-                    drawn.retain(|earlier, _| planned.same_as != Some(*earlier) || last_use[earlier] != planned.index);
-                }
-                Err(fault) if self.options.keep_going => {
-                    progress.tell(Event::Failed { frame: planned.index, message: &fault.to_string() });
-                    outcome.failed.push((planned.index, fault));
-                }
-                Err(fault) => return Err(fault),
-            }
-        }
-        Ok(())
-    }
-
-    fn make_folder(&self) -> Result<(), Diagnostics> {
-        let out = &self.options.out;
-        std::fs::create_dir_all(out).map_err(|error| {
-            let what = format!("cannot make the folder {}: {error}", progress::escaped(&out.to_string_lossy()));
-            Diagnostic::error(Fault::Output, what, "name another folder with --out").into()
-        })
-    }
-
-    /// Draws one frame and writes its files, the manifest last.
-    fn draw(
-        &mut self,
-        planned: PlannedFrame,
-        stock: Option<&Stock>,
-        drawn: &BTreeMap<i64, FrameFiles>,
-        key: &dyn Fn(i64) -> Key,
-    ) -> Result<FrameFiles, Diagnostics> {
-        let start = Instant::now();
-        let index = planned.index;
-        let states = self.states(index);
-        let earlier = planned.same_as.and_then(|earlier| drawn.get(&earlier));
-        let files: FrameFiles = match (earlier, stock) {
-            (Some(files), _) => {
-                let names = self.names.all(index);
-                names.into_iter().zip(files).map(|(name, (_, bytes))| (name, bytes.clone())).collect()
-            }
-            (None, Some(stock)) => {
-                let worn = self.worn(states.as_ref());
-                self.made(index, stock, &worn)?
-            }
-            (None, None) => Vec::new(),
-        };
-        for (name, bytes) in &files {
-            files::write(&self.options.out.join(name), bytes).map_err(|error| fault::written(&error))?;
-        }
-        let listed: Vec<(String, &[u8])> = files.iter().map(|(name, bytes)| (name.clone(), bytes.as_slice())).collect();
-        let manifest = Manifest::new(&self.names.scene, self.names.frames, key(index), &listed);
-        manifest.write(&self.options.out).map_err(|error| fault::written(&error))?;
-        self.note(index, states.as_ref(), start.elapsed().as_secs_f64());
-        Ok(files)
-    }
-
-    fn made(&mut self, index: i64, stock: &Stock, worn: &[Option<Garment>]) -> Result<FrameFiles, Diagnostics> {
-        let (scene, tree) = (self.scene, &self.prepared.tree);
-        let frame = timed(&mut self.report, "compose", || {
-            let frame = stock.frame(scene, tree, worn);
-            let instances = frame.instances.len() as u64;
-            Ok::<_, Diagnostics>((frame, Figures::of(instances)))
-        })?;
-        let mut files = Vec::new();
-        if let Some(name) = self.names.png(index) {
-            let picture = self.rasterised(&frame, worn, stock)?;
-            let bytes = timed(&mut self.report, "png", || {
-                let bytes = export::png(&picture).map_err(|error| fault::export(&error))?;
-                let figures = Figures::of(1).with("bytes", bytes.len());
-                Ok::<_, Diagnostics>((bytes, figures))
-            })?;
-            files.push((name, bytes));
-        }
-        if let (Some(name), Some(layout)) = (self.names.gltf(index), self.scene.output.gltf) {
-            let layout = match layout {
-                Gltf::Nodes => export::Layout::Nodes,
-                Gltf::Merged => export::Layout::Merged,
-                Gltf::Instanced => export::Layout::Instanced,
-            };
-            let bytes = timed(&mut self.report, "gltf", || export::glb(&frame, layout));
-            files.push((name, bytes.map_err(|error| fault::export(&error))?));
-        }
-        Ok(files)
-    }
-
-    fn rasterised(&mut self, frame: &Frame, worn: &[Option<Garment>], stock: &Stock) -> Result<Picture, Diagnostics> {
-        let inset = self.scene.output.inset.then(|| stock.inset(worn, frame)).flatten();
-        timed(&mut self.report, "raster", || {
-            let before = stopwatch::processor_seconds();
-            let (mut picture, figures) = raster::draw(frame);
-            if let Some(inset) = &inset {
-                picture_inset::place(&mut picture, &raster::draw(inset).0);
-            }
-            Ok((picture, figures.with("cpu_seconds", stopwatch::processor_seconds() - before)))
-        })
-    }
-
-    fn states(&mut self, index: i64) -> Option<LeafStates> {
-        let has_season = !self.prepared.states.is_empty();
-        has_season.then(|| preparation::assigned(self.scene, &self.prepared.leaf_ids, index, &mut self.report))
-    }
-
-    fn worn(&self, states: Option<&LeafStates>) -> Vec<Option<Garment>> {
-        states.map_or_else(Vec::new, |states| plan::garments(self.scene, &self.prepared.leaf_ids, states))
-    }
-
-    fn count_kept(&mut self, index: i64) {
-        let states = self.states(index);
-        self.note(index, states.as_ref(), 0.0);
-    }
-
-    /// Adds a frame to the report and to the file of states.
-    fn note(&mut self, index: i64, states: Option<&LeafStates>, seconds: f64) {
-        let day = self.scene.time.at(index);
-        let mut frame = FrameReport {
-            index,
-            day,
-            date: None,
-            leaves: self.prepared.leaf_ids.len() as u64,
-            states: BTreeMap::new(),
-            expected: BTreeMap::new(),
-            fallen: 0,
-            png: self.names.png(index),
-            gltf: self.names.gltf(index),
-            seconds,
-        };
-        if let Some(states) = states {
-            for (number, name) in states.names.iter().enumerate() {
-                let count = states.states.iter().filter(|&&state| usize::from(state) == number).count() as u64;
-                frame.states.insert(name.clone(), count);
-                frame.expected.insert(name.clone(), states.expected[number]);
-            }
-            frame.fallen = frame.states.get(plan::FALLEN).copied().unwrap_or(0);
-            if self.options.states.is_some() {
-                states_file::append(&mut self.states_text, index, day, &self.prepared.leaf_ids, states);
-            }
-        }
-        self.report.frames.push(frame);
-    }
 }
 
 /// Writes the report as JSON.

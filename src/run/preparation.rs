@@ -1,111 +1,145 @@
-//! What comes before anything costly: the tree, the states of its leaves in every frame, and the plan that follows.
+//! What comes before anything costly: the trees, the states of their leaves in every frame, and the plan that follows.
 
-use super::fault;
-use super::memory;
+use super::growth;
+use super::leaf_states;
+use super::prediction;
 use super::stopwatch::timed;
 use crate::base::diagnostic::Diagnostics;
-use crate::base::limits::{Limit, Limits};
+use crate::base::figures::Figures;
+use crate::base::limits::Limits;
 use crate::base::random::hash;
-use crate::compose::Garment;
-use crate::plan::{self, Counted, Plan};
+use crate::compose::{Garment, Stand};
+use crate::plan::{self, Counted, Plan, Roll};
 use crate::report::Report;
 use crate::scene::Scene;
-use crate::scene::output::Gltf;
 use crate::season::{self, LeafStates};
-use crate::tree::{self, Tree};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
-/// A scene whose tree has grown and whose leaves are counted.
+/// Bytes of states that are kept from the count of a frame until it is drawn; those beyond are drawn twice.
+const KEPT_BYTES: usize = 64_000_000;
+/// Bytes of a leaf's state.
+const STATE_BYTES: usize = 10;
+
+/// A scene with one seed, whose trees have grown and whose leaves are counted. A contact sheet has one for each cell.
 pub struct Prepared {
-    /// The tree.
-    pub tree: Tree,
-    /// The ids of its leaves, in the order of the sites.
-    pub leaf_ids: Vec<u64>,
-    /// Names of the states; empty without a season.
+    /// The scene.
+    pub scene: Scene,
+    /// Its trees.
+    pub stand: Stand,
+    /// Names of the states of all species; empty without a season.
     pub states: Vec<String>,
     /// What is to be done.
     pub plan: Plan,
+    /// The states of frames that are still to be drawn.
+    kept: BTreeMap<i64, (LeafStates, Figures)>,
 }
 
-/// Grows the tree, draws the states of all frames and plans. When `stop` turns true the frames counted so far are planned.
+/// What a run asks of its preparation.
+pub struct Asked<'a> {
+    /// The frames that are not there yet.
+    pub frames: &'a [i64],
+    /// The limits in force.
+    pub limits: &'a Limits,
+    /// Whether what a scene does not need is left out.
+    pub leave_out: bool,
+    /// Frames whose states are written down.
+    pub states_frames: usize,
+    /// When this turns true the frames counted so far are planned.
+    pub stop: &'a dyn Fn() -> bool,
+}
+
+/// Grows the trees of each cell's scene, draws the states of all frames and plans.
 ///
 /// # Errors
-/// What the tree's rules or the limits refuse.
-pub fn prepare(
-    scene: &Scene,
-    frames: &[i64],
-    limits: &Limits,
-    leave_out: bool,
-    stop: &dyn Fn() -> bool,
-    report: &mut Report,
-) -> Result<Prepared, Diagnostics> {
-    let grown = timed(report, "tree", || tree::grow(&scene.tree, scene.seed, limits));
-    let tree = grown.map_err(|error| fault::tree(scene, &error))?;
-    let leaf_ids: Vec<u64> = tree.sites.iter().map(|site| site.id).collect();
-    let has_season = !scene.season.states.is_empty() && !leaf_ids.is_empty();
-    let states: Vec<String> = if has_season { scene.season.states.keys().cloned().collect() } else { Vec::new() };
-    let reachable = if has_season { season::reachable(&scene.season, &scene.climate) } else { Vec::new() };
-    let frames = frames.iter().take_while(|_| !stop());
-    let counted: Vec<Counted> = frames.map(|&index| count(scene, &leaf_ids, has_season, index, report)).collect();
-    let plan = plan::plan(scene, &states, &reachable, &counted, leave_out);
-    allow_memory(scene, &tree, &plan, limits)?;
-    Ok(Prepared { tree, leaf_ids, states, plan })
-}
-
-/// The states of all leaves at a frame's time.
-pub fn assigned(scene: &Scene, leaf_ids: &[u64], index: i64, report: &mut Report) -> LeafStates {
-    let day = scene.time.at(index);
-    timed(report, "season", || {
-        let made = season::assign(&scene.season, &scene.climate, scene.seed, leaf_ids, day);
-        Ok::<_, std::convert::Infallible>(made)
-    })
-    .unwrap_or_else(|never| match never {})
-}
-
-fn count(scene: &Scene, leaf_ids: &[u64], has_season: bool, index: i64, report: &mut Report) -> Counted {
-    let day = scene.time.at(index);
-    if !has_season {
-        return Counted { index, day, ..Counted::default() };
+/// What the trees' rules or the limits refuse.
+pub fn prepare(cells: Vec<Scene>, asked: &Asked<'_>, report: &mut Report) -> Result<Vec<Prepared>, Diagnostics> {
+    let mut prepared = Vec::new();
+    let mut counts: Vec<Vec<Counted>> = Vec::new();
+    for scene in cells {
+        let (stand, states, kept) = grown(&scene, asked.limits, report)?;
+        let mut one = Prepared { scene, stand, states, plan: Plan::default(), kept };
+        let frames = asked.frames.iter().take_while(|_| !(asked.stop)());
+        counts.push(frames.map(|&index| one.count(index, report)).collect());
+        prepared.push(one);
     }
-    let start = Instant::now();
-    let states = season::assign(&scene.season, &scene.climate, scene.seed, leaf_ids, day).0;
-    report.spend("season", start.elapsed().as_secs_f64());
-    let garments = plan::garments(scene, leaf_ids, &states);
-    let mark =
-        |garment: &Option<Garment>| garment.map_or(u64::MAX, |g| u64::from(g.state) << 32 | u64::from(g.variant));
-    let signature = garments.iter().fold(0, |sum, garment| hash(sum, mark(garment)));
-    let worn: BTreeSet<Garment> = garments.into_iter().flatten().collect();
-    Counted { index, day, worn, signature }
+    // Cells are drawn frame by frame: a frame is planned only when all are counted, and equals another only in all.
+    let frames = counts.iter().map(Vec::len).min().unwrap_or(0);
+    let signature =
+        |frame: usize| counts.iter().fold(0, |sum, counted| mixed(sum, counted[frame].signature, counts.len()));
+    let signatures: Vec<u64> = (0..frames).map(signature).collect();
+    for (one, mut counted) in prepared.iter_mut().zip(std::mem::take(&mut counts)) {
+        counted.truncate(frames);
+        counted.iter_mut().zip(&signatures).for_each(|(frame, signature)| frame.signature = *signature);
+        let rolls = one.rolls();
+        one.plan = plan::plan(&one.scene, &one.states, &rolls, &counted, asked.leave_out);
+    }
+    prediction::allow(&prepared, asked.states_frames, asked.limits)?;
+    Ok(prepared)
 }
 
-/// Holds what the run will take against the limit, then against what the system has left to give.
-fn allow_memory(scene: &Scene, tree: &Tree, plan: &Plan, limits: &Limits) -> Result<(), Diagnostics> {
-    let parts = predicted_memory(scene, tree, plan);
-    let wanted = parts.iter().map(|(_, bytes)| bytes).sum();
-    // the table that asks for most is the one to mend
-    let table = parts.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or("image", |part| part.0);
-    let allowed = limits.allow(Limit::Memory, "the scene", wanted);
-    allowed.map_err(|refusal| fault::refused(scene, table, &refusal))?;
-    if memory::is_granted(wanted) { Ok(()) } else { Err(fault::out_of_memory(scene, table, wanted)) }
+/// The signature of a frame in one cell more.
+fn mixed(sum: u64, signature: u64, cells: usize) -> u64 {
+    if cells == 1 { signature } else { hash(sum, signature) }
 }
 
-/// Bytes that a run will hold at most, by the table of the scene that asks for them. The factors were measured as growth
-/// of the peak with each size, and rounded up.
-fn predicted_memory(scene: &Scene, tree: &Tree, plan: &Plan) -> [(&'static str, f64); 6] {
-    let square = |side: u32| f64::from(side) * f64::from(side);
-    let wood: f64 = tree.wood.iter().map(|wood| wood.mesh.positions.len() as f64).sum();
-    let leaves = tree.sites.len() as f64;
-    let vertices = f64::from(scene.leaf.vertices);
-    let made = |stage: &str| plan.jobs.iter().filter(|job| job.stage == stage).count() as f64;
-    let merged = scene.output.gltf == Some(Gltf::Merged);
-    let copies = leaves * if merged { vertices * 120.0 } else { 0.0 };
-    [
-        ("image", 1.2e8 + scene.image.pixels() * 16.0),
-        ("light", square(scene.light.shadow_size) * 12.0),
-        ("tree", wood * 220.0 + leaves * 600.0),
-        ("deform", made("deform") * vertices * 300.0),
-        ("colour", made("colour") * square(scene.colour.size) * 70.0),
-        ("output", copies),
-    ]
+type Grown = (Stand, Vec<String>, BTreeMap<i64, (LeafStates, Figures)>);
+
+fn grown(scene: &Scene, limits: &Limits, report: &mut Report) -> Result<Grown, Diagnostics> {
+    let stand = timed(report, "tree", || growth::grow(scene, limits))?;
+    let states = leaf_states::names(scene, &stand);
+    Ok((stand, states, BTreeMap::new()))
+}
+
+impl Prepared {
+    /// The states of all leaves at a frame's time; none without seasons. Each call adds a run of the season to the report.
+    pub fn assigned(&mut self, index: i64, report: &mut Report) -> Option<LeafStates> {
+        if self.states.is_empty() {
+            return None;
+        }
+        if let Some((states, figures)) = self.kept.remove(&index) {
+            report.add("season", 0.0, figures);
+            return Some(states);
+        }
+        let (scene, stand, names) = (&self.scene, &self.stand, &self.states);
+        let made = timed(report, "season", || {
+            Ok::<_, std::convert::Infallible>(leaf_states::assigned(scene, stand, names, index))
+        });
+        Some(made.unwrap_or_else(|never| match never {}))
+    }
+
+    fn count(&mut self, index: i64, report: &mut Report) -> Counted {
+        let day = self.scene.time.at(index);
+        if self.states.is_empty() {
+            return Counted { index, day, ..Counted::default() };
+        }
+        let start = Instant::now();
+        let (states, figures) = leaf_states::assigned(&self.scene, &self.stand, &self.states, index);
+        report.spend("season", start.elapsed().as_secs_f64());
+        let garments = plan::garments(&self.scene, &self.stand, &states);
+        let mark = |garment: &Option<Garment>| {
+            garment.map_or(u64::MAX, |g| u64::from(g.species) << 48 | u64::from(g.state) << 32 | u64::from(g.variant))
+        };
+        let signature = garments.iter().fold(0, |sum, garment| hash(sum, mark(garment)));
+        let worn: BTreeSet<Garment> = garments.into_iter().flatten().collect();
+        if (self.kept.len() + 1) * states.states.len() * STATE_BYTES <= KEPT_BYTES {
+            self.kept.insert(index, (states, figures));
+        }
+        Counted { index, day, worn, signature }
+    }
+
+    fn rolls(&self) -> Vec<Roll> {
+        let with_leaves = leaf_states::with_leaves(&self.scene, &self.stand);
+        let roll = |(number, species): (usize, &crate::scene::Species)| {
+            let forms = self.stand.forms.iter().filter(|form| form.species == number).count();
+            let mut roll = Roll { trees: self.stand.trees_of(number), forms, ..Roll::default() };
+            if with_leaves.contains(&number) {
+                let place = |name: &String| self.states.binary_search(name).ok().map(|place| place as u16);
+                roll.states = species.season.states.keys().filter_map(place).collect();
+                roll.reachable = season::reachable(&species.season, &self.scene.climate);
+            }
+            roll
+        };
+        self.scene.species.iter().enumerate().map(roll).collect()
+    }
 }

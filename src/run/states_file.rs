@@ -1,11 +1,17 @@
 //! Every leaf's state at every frame as comma-separated values: ground truth for those who make data sets.
 
+use crate::compose::Stand;
 use crate::season::LeafStates;
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// The first line.
-pub const HEADER: &str = "frame,day,leaf,state,since_day\n";
+/// The first line. The number of the tree (from 0, in the order in which the scene plants them) is a column where several
+/// trees stand, the seed where the scene is a contact sheet: files of one tree stay as they are.
+pub fn header(with_tree: bool, with_seed: bool) -> String {
+    let tree = if with_tree { ",tree" } else { "" };
+    let seed = if with_seed { ",seed" } else { "" };
+    format!("frame,day,leaf,state,since_day{tree}{seed}\n")
+}
 
 /// A name as a field: quoted when it holds what would end the field (RFC 4180).
 fn quoted(name: &str) -> Cow<'_, str> {
@@ -16,11 +22,22 @@ fn quoted(name: &str) -> Cow<'_, str> {
     }
 }
 
-/// The lines of one frame; leaves are named by their stable ids in hexadecimal, as nodes of a glTF file are.
-pub fn append(text: &mut String, frame: i64, day: f64, leaf_ids: &[u64], states: &LeafStates) {
-    for ((id, &state), since) in leaf_ids.iter().zip(&states.states).zip(&states.since) {
-        let name = quoted(&states.names[usize::from(state)]);
+/// The lines of one frame and day; leaves are named by their stable ids in hexadecimal, as nodes of a glTF file are. A leaf
+/// without seasons has no line.
+pub fn append(text: &mut String, (frame, day): (i64, f64), stand: &Stand, states: &LeafStates, seed: Option<u64>) {
+    let names: Vec<Cow<'_, str>> = states.names.iter().map(|name| quoted(name)).collect();
+    let trees = stand.standing().enumerate().flat_map(|(tree, (form, _))| form.sites.iter().map(move |_| tree));
+    let leaves = trees.zip(&stand.leaf_ids).zip(states.states.iter().zip(&states.since));
+    for ((tree, id), (&state, since)) in leaves {
+        let Some(name) = names.get(usize::from(state)) else { continue };
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "{frame},{day},{id:016x},{name},{since}");
+        let _ = write!(text, "{frame},{day},{id:016x},{name},{since}");
+        if stand.trees.len() > 1 {
+            let _ = write!(text, ",{tree}");
+        }
+        if let Some(seed) = seed {
+            let _ = write!(text, ",{seed}");
+        }
+        text.push('\n');
     }
 }

@@ -1,23 +1,24 @@
 //! Makes what leaves wear: the blade, its shapes and its textures, as far as the plan has jobs for them.
 
 use super::fault;
-use super::leaf_area::leaf_area_index;
 use super::preparation::Prepared;
 use super::stopwatch::timed;
 use crate::base::blade::Blade;
 use crate::base::diagnostic::Diagnostics;
+use crate::base::figures::Figures;
 use crate::base::limits::{Limit, Limits};
 use crate::base::mesh::Mesh;
 use crate::base::picture::Picture;
 use crate::colour::{self, Painted};
-use crate::compose::Wardrobe;
+use crate::compose::{Form, Garment, Wardrobe, blade_area};
 use crate::deform;
 use crate::leaf::{self, Pictures};
-use crate::plan::{self, Plan};
+use crate::plan;
 use crate::report::Report;
-use crate::scene::{self, Scene};
+use crate::scene::{self, Scene, Species, Standing};
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Memory for each pixel of a scan while it is traced, bytes (measured: 27).
 const TRACED_BYTES: f64 = 32.0;
@@ -25,96 +26,115 @@ const TRACED_BYTES: f64 = 32.0;
 /// An item of a stage: a state's number and a variant's.
 type Item = (u16, u32);
 
-/// Makes the wardrobe of a plan; empty when no leaf is left.
+/// Makes the wardrobe of a plan, species by species; empty when no leaf is left.
 ///
 /// # Errors
 /// Pictures that cannot be read, outlines that cannot be meshed, steps that are not stable, limits.
-pub fn wardrobe(
-    scene: &Scene,
-    prepared: &Prepared,
-    limits: &Limits,
-    report: &mut Report,
-) -> Result<Wardrobe, Diagnostics> {
-    let Prepared { states, plan, .. } = prepared;
+pub fn wardrobe(prepared: &Prepared, limits: &Limits, report: &mut Report) -> Result<Wardrobe, Diagnostics> {
+    let Prepared { scene, states, plan, stand, .. } = prepared;
     let mut wardrobe = Wardrobe { states: states.clone(), ..Wardrobe::default() };
-    if !plan.has("leaf") {
-        return Ok(wardrobe);
-    }
-    let blade = blade(scene, limits, report)?;
-    note_leaf_area(prepared, &blade, report);
-    if plan.has("deform") {
-        let shapes = shapes(scene, states, plan, &blade, limits, report)?;
-        for garment in &plan.garments {
-            let item = (garment.state, garment.variant % scene.deform.shapes);
-            wardrobe.shapes.insert(*garment, shapes[&item].clone());
+    let mut leaf_area = Some(0.0);
+    for (number, species) in scene.species.iter().enumerate() {
+        let garments = plan.garments_of(number);
+        let has_sites = stand.forms.iter().any(|form| form.species == number && !form.sites.is_empty());
+        if garments.is_empty() {
+            // Without a blade nothing is known of its area.
+            leaf_area = leaf_area.filter(|_| !has_sites);
+            continue;
+        }
+        let mut tailor = Tailor { scene, species, states, garments: &garments, limits, report };
+        let blade = tailor.blade()?;
+        let area_of = |(form, _): (&Form, &Standing)| {
+            if form.species == number { blade_area(&form.sites, &blade.mesh) } else { 0.0 }
+        };
+        leaf_area = leaf_area.map(|sum| sum + stand.standing().map(area_of).sum::<f64>());
+        let shapes = tailor.shapes(&blade)?;
+        let textures = if plan.has("colour") { tailor.textures(&blade) } else { BTreeMap::new() };
+        for garment in &garments {
+            let item = |count: u32| (garment.state, garment.variant % count.max(1));
+            wardrobe.shapes.insert(*garment, shapes[&item(species.deform.shapes)].clone());
+            if let Some(painted) = textures.get(&item(species.colour.variants)) {
+                wardrobe.textures.insert(*garment, painted.clone());
+            }
         }
     }
-    if plan.has("colour") {
-        let textures = textures(scene, states, plan, &blade, report);
-        for garment in &plan.garments {
-            let item = (garment.state, garment.variant % scene.colour.variants);
-            wardrobe.textures.insert(*garment, textures[&item].clone());
-        }
+    if let Some(area) = leaf_area {
+        note_leaf_area(stand.leaf_ids.len(), area, report);
     }
     Ok(wardrobe)
 }
 
-/// Adds to the tree's figures what takes a blade to know.
-fn note_leaf_area(prepared: &Prepared, blade: &Blade, report: &mut Report) {
-    let projection = report.figure("tree", "crown_projection_m2").and_then(Value::as_f64);
-    let index = projection.and_then(|ground| leaf_area_index(&prepared.tree.sites, &blade.mesh, ground));
-    if let Some(index) = index {
+/// Adds to the trees' figures what takes blades to know: the mean area of a blade, and the one-sided area of all blades in
+/// full leaf over the ground below the crowns, m2/m2 (Watson 1947), crown by crown.
+fn note_leaf_area(leaves: usize, area: f64, report: &mut Report) {
+    let projection = report.figure("tree", "crown_projection_m2").and_then(Value::as_f64).unwrap_or(0.0);
+    let index = area / projection;
+    if index.is_finite() && index > 0.0 {
         report.note("tree", "leaf_area_index", index);
+        report.note("tree", "mean_blade_area_cm2", area / leaves as f64 * 1e4);
     }
 }
 
-fn blade(scene: &Scene, limits: &Limits, report: &mut Report) -> Result<Blade, Diagnostics> {
-    let read = |key: &str| -> Result<Option<Picture>, Diagnostics> {
-        let asset = scene.assets.get(key);
-        asset.map(|asset| scene::read_picture(asset, limits)).transpose().map_err(Diagnostics::from)
-    };
-    let (picture, mask) = (read("leaf.picture")?, read("leaf.mask")?);
-    if let Some(picture) = &picture {
-        let wanted = f64::from(picture.width) * f64::from(picture.height) * TRACED_BYTES;
-        let allowed = limits.allow(Limit::Memory, "leaf.picture", wanted);
-        allowed.map_err(|refusal| fault::refused(scene, "leaf.picture", &refusal))?;
+/// Makes what leaves of one species wear.
+struct Tailor<'a> {
+    scene: &'a Scene,
+    species: &'a Species,
+    states: &'a [String],
+    garments: &'a [Garment],
+    limits: &'a Limits,
+    report: &'a mut Report,
+}
+
+impl Tailor<'_> {
+    /// Runs a stage for the report; where there are several species, the figures of each are kept by its name.
+    fn timed<T, E>(&mut self, stage: &str, work: impl FnOnce() -> Result<(T, Figures), E>) -> Result<T, E> {
+        let mut figures = Figures::default();
+        let made = timed(self.report, stage, || work().inspect(|(_, made)| figures = made.clone()))?;
+        if self.scene.species.len() > 1 {
+            self.report.note_of(stage, self.species.label(), figures);
+        }
+        Ok(made)
     }
-    let pictures = Pictures { picture: picture.as_ref(), mask: mask.as_ref() };
-    timed(report, "leaf", || leaf::model(&scene.leaf, pictures, limits)).map_err(|error| fault::leaf(scene, &error))
-}
 
-fn shapes(
-    scene: &Scene,
-    states: &[String],
-    plan: &Plan,
-    blade: &Blade,
-    limits: &Limits,
-    report: &mut Report,
-) -> Result<BTreeMap<Item, Mesh>, Diagnostics> {
-    let items = plan::items(&plan.garments, scene.deform.shapes);
-    let job = |&(state, variant): &Item| {
-        let state = states[usize::from(state)].clone();
-        let dryness = scene.deform.states.get(&state).map_or(0.0, |shape| shape.dryness);
-        deform::Job { state, variant, dryness }
-    };
-    let jobs: Vec<deform::Job> = items.iter().map(job).collect();
-    let made = timed(report, "deform", || deform::deform(&scene.deform, &blade.mesh, &jobs, scene.seed, limits));
-    let made = made.map_err(|error| fault::deform(scene, &error))?;
-    Ok(items.into_iter().zip(made).collect())
-}
+    fn blade(&mut self) -> Result<Blade, Diagnostics> {
+        let (species, limits) = (self.species, self.limits);
+        let read = |key: &str| -> Result<Option<Picture>, Diagnostics> {
+            let asset = species.assets.get(key);
+            asset.map(|asset| scene::read_picture(asset, limits)).transpose().map_err(Diagnostics::from)
+        };
+        let (picture, mask) = (read("leaf.picture")?, read("leaf.mask")?);
+        if let Some(picture) = &picture {
+            let wanted = f64::from(picture.width) * f64::from(picture.height) * TRACED_BYTES;
+            let allowed = limits.allow(Limit::Memory, "leaf.picture", wanted);
+            allowed.map_err(|refusal| fault::refused(&species.places, "leaf.picture", &refusal))?;
+        }
+        let pictures = Pictures { picture: picture.as_ref(), mask: mask.as_ref() };
+        self.timed("leaf", || leaf::model(&species.leaf, pictures, limits))
+            .map_err(|error| fault::leaf(species, &error))
+    }
 
-fn textures(
-    scene: &Scene,
-    states: &[String],
-    plan: &Plan,
-    blade: &Blade,
-    report: &mut Report,
-) -> BTreeMap<Item, Painted> {
-    let items = plan::items(&plan.garments, scene.colour.variants);
-    let job = |&(state, variant): &Item| colour::Job { state: states[usize::from(state)].clone(), variant };
-    let jobs: Vec<colour::Job> = items.iter().map(job).collect();
-    let made = timed(report, "colour", || {
-        Ok::<_, std::convert::Infallible>(colour::paint(&scene.colour, blade, &jobs, scene.seed))
-    });
-    items.into_iter().zip(made.unwrap_or_else(|never| match never {})).collect()
+    fn shapes(&mut self, blade: &Blade) -> Result<BTreeMap<Item, Arc<Mesh>>, Diagnostics> {
+        let (scene, species, limits, states) = (self.scene, self.species, self.limits, self.states);
+        let items = plan::items(self.garments, species.deform.shapes);
+        let job = |&(state, variant): &Item| {
+            let state = states[usize::from(state)].clone();
+            let dryness = species.deform.states.get(&state).map_or(0.0, |shape| shape.dryness);
+            deform::Job { state, variant, dryness }
+        };
+        let jobs: Vec<deform::Job> = items.iter().map(job).collect();
+        let made = self.timed("deform", || deform::deform(&species.deform, &blade.mesh, &jobs, scene.seed, limits));
+        let made = made.map_err(|error| fault::deform(species, &error))?;
+        Ok(items.into_iter().zip(made.into_iter().map(Arc::new)).collect())
+    }
+
+    fn textures(&mut self, blade: &Blade) -> BTreeMap<Item, Arc<Painted>> {
+        let (scene, species, states) = (self.scene, self.species, self.states);
+        let items = plan::items(self.garments, species.colour.variants);
+        let job = |&(state, variant): &Item| colour::Job { state: states[usize::from(state)].clone(), variant };
+        let jobs: Vec<colour::Job> = items.iter().map(job).collect();
+        let made = self.timed("colour", || {
+            Ok::<_, std::convert::Infallible>(colour::paint(&species.colour, blade, &jobs, scene.seed))
+        });
+        items.into_iter().zip(made.unwrap_or_else(|never| match never {}).into_iter().map(Arc::new)).collect()
+    }
 }

@@ -26,6 +26,8 @@ const QUOTED: usize = 60;
 /// A fault and the key it belongs to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
+    /// Number of the species in whose tables it was found; none for the scene's own.
+    pub species: Option<usize>,
     /// Dotted path of the key.
     pub path: String,
     /// The message.
@@ -256,7 +258,7 @@ impl<'a> Checker<'a> {
 
     fn add<T>(&mut self, path: &str, diagnostic: Diagnostic) -> Option<T> {
         if self.findings.len() < MOST_FAULTS {
-            self.findings.push(Finding { path: path.to_owned(), diagnostic });
+            self.findings.push(Finding { species: None, path: path.to_owned(), diagnostic });
         }
         None
     }

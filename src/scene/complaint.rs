@@ -1,147 +1,47 @@
-//! What the stages' checks complain of, as messages with places.
+//! What the stages' checks complain of.
 
-use super::{Scene, camera, image, time};
-use crate::base::diagnostic::{Diagnostic, Fault, Place};
+use super::{Scene, Species, camera, image, planting, sheet, time};
 use crate::base::settings::Complaint;
 use crate::{colour, deform, leaf, season, tree};
-use std::collections::BTreeMap;
-use std::ops::Range;
 
-/// What is wrong with a well-typed scene: the table's name and the complaint.
+/// What is wrong with what all trees of a well-typed scene share: the table's name and the complaint.
 #[must_use]
-pub fn complaints(scene: &Scene) -> Vec<(&'static str, Complaint)> {
+pub fn of_scene(scene: &Scene) -> Vec<(String, Complaint)> {
+    let mut found = Vec::new();
+    let mut take = |table: &str, list: Vec<Complaint>| {
+        found.extend(list.into_iter().map(|complaint| (table.to_owned(), complaint)));
+    };
+    take("time", time::check(&scene.time));
+    take("camera", camera::check(&scene.camera));
+    take("image", image::check(&scene.image));
+    take("", sheet::check(scene));
+    for (entry, planted) in scene.trees.iter().enumerate() {
+        take(&format!("trees.{entry}"), planting::check(&planted.planting));
+    }
+    found
+}
+
+/// What is wrong with where the trees stand, for any of the scene's seeds.
+#[must_use]
+pub fn of_planting(scene: &Scene) -> Option<(String, Complaint)> {
+    let (entry, complaint) = planting::check_count(&scene.trees).or_else(|| {
+        let mut seeds = scene.seeds.iter().copied().chain([scene.seed]);
+        let crowded = seeds.find_map(|seed| planting::plant(&scene.trees, seed).err())?;
+        Some((crowded.entry, crowded.complaint()))
+    })?;
+    Some((format!("trees.{entry}"), complaint))
+}
+
+/// What is wrong with a species' tables.
+#[must_use]
+pub fn of_species(species: &Species, climate: &season::Climate) -> Vec<(&'static str, Complaint)> {
+    let has_season = !species.season.states.is_empty();
     let tables = [
-        ("time", time::check(&scene.time)),
-        ("camera", camera::check(&scene.camera)),
-        ("image", image::check(&scene.image)),
-        ("tree", tree::check(&scene.tree)),
-        ("leaf", leaf::check(&scene.leaf)),
-        ("deform", deform::check(&scene.deform)),
-        ("colour", colour::check(&scene.colour)),
-        (
-            "season",
-            if scene.season.states.is_empty() { Vec::new() } else { season::check(&scene.season, &scene.climate) },
-        ),
+        ("tree", tree::check(&species.tree)),
+        ("leaf", leaf::check(&species.leaf)),
+        ("deform", deform::check(&species.deform)),
+        ("colour", colour::check(&species.colour)),
+        ("season", if has_season { season::check(&species.season, climate) } else { Vec::new() }),
     ];
     tables.into_iter().flat_map(|(table, list)| list.into_iter().map(move |complaint| (table, complaint))).collect()
-}
-
-/// A complaint about `table` as a message, with its dotted path.
-#[must_use]
-pub fn diagnostic(places: &BTreeMap<String, Place>, table: &str, complaint: Complaint) -> (String, Diagnostic) {
-    let path = if complaint.key.is_empty() { table.to_owned() } else { format!("{table}.{}", dotted(&complaint.key)) };
-    let found = nearest(places, &path);
-    let is_exact = found.is_some_and(|(known, _)| known == path);
-    let message = if is_exact { complaint.message } else { format!("`{path}`: {}", complaint.message) };
-    let place = found.map(|(_, place)| match complaint.within {
-        Some(within) if is_exact => inside(place, &within),
-        _ => place.clone(),
-    });
-    (path, Diagnostic::error(Fault::Scene, message, complaint.help).at(place))
-}
-
-/// The nearest known key at or above a path.
-#[must_use]
-pub fn nearest<'a>(places: &'a BTreeMap<String, Place>, path: &'a str) -> Option<(&'a str, &'a Place)> {
-    let mut path = path;
-    loop {
-        if let Some(place) = places.get(path) {
-            return Some((path, place));
-        }
-        path = path.rsplit_once('.')?.0;
-    }
-}
-
-/// `rules[3]` as `rules.3`.
-fn dotted(key: &str) -> String {
-    key.replace('[', ".").replace(']', "")
-}
-
-/// The part `within` of a string's value, as a place: past its quote, and past escapes that are longer than what they mean.
-fn inside(place: &Place, within: &Range<usize>) -> Place {
-    let raw = &place.source.text[place.span.clone()];
-    let (opening, escapes) = opening(raw);
-    let at = |wanted: usize| place.span.start + opening + raw_offset(&raw[opening..], wanted, escapes);
-    let (start, end) = (at(within.start), at(within.end));
-    Place { source: place.source.clone(), span: start..end.max(start) }
-}
-
-/// Bytes of the opening quote (with the line break that TOML drops after it), and whether the string has escapes.
-fn opening(raw: &str) -> (usize, bool) {
-    for (quote, escapes) in [("\"\"\"", true), ("'''", false)] {
-        if let Some(rest) = raw.strip_prefix(quote) {
-            let newline = if rest.starts_with("\r\n") { 2 } else { usize::from(rest.starts_with('\n')) };
-            return (3 + newline, escapes);
-        }
-    }
-    (usize::from(raw.starts_with(['"', '\''])), raw.starts_with('"'))
-}
-
-/// The byte of the raw text at which byte `wanted` of the value begins.
-fn raw_offset(raw: &str, wanted: usize, escapes: bool) -> usize {
-    let (mut offset, mut decoded) = (0, 0);
-    while offset < raw.len() {
-        let (consumed, meant) = unit(&raw[offset..], escapes);
-        if decoded >= wanted && meant > 0 {
-            break;
-        }
-        offset += consumed;
-        decoded += meant;
-    }
-    offset.min(raw.len())
-}
-
-/// Bytes of the next character or escape, and bytes of what it means.
-fn unit(raw: &str, escapes: bool) -> (usize, usize) {
-    let first = raw.chars().next().map_or(1, char::len_utf8);
-    if !escapes || !raw.starts_with('\\') {
-        return (first, first);
-    }
-    let after = raw[1..].chars().next().unwrap_or('\\');
-    let digits = match after {
-        'x' => 2,
-        'u' => 4,
-        'U' => 8,
-        _ if after.is_whitespace() => {
-            let folded = raw[1..].len() - raw[1..].trim_start().len();
-            return (1 + folded, 0);
-        }
-        _ => return (1 + after.len_utf8(), 1),
-    };
-    let code = raw.get(2..2 + digits).and_then(|hex| u32::from_str_radix(hex, 16).ok()).and_then(char::from_u32);
-    (2 + digits, code.map_or(1, char::len_utf8))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::base::diagnostic::Source;
-    use std::sync::Arc;
-
-    fn part(raw: &str, within: Range<usize>) -> String {
-        let source = Arc::new(Source { name: String::new(), text: format!("k = {raw}") });
-        let place = inside(&Place { source, span: 4..4 + raw.len() }, &within);
-        place.source.text[place.span].to_owned()
-    }
-
-    #[test]
-    fn parts_of_strings_are_found_behind_quotes_and_escapes() {
-        assert_eq!(part("\"A -> F[F\"", 5..9), "F[F\"");
-        assert_eq!(part("\"A -> F[F\"", 6..7), "[");
-        assert_eq!(part("'A -> F[F'", 6..7), "[");
-        assert_eq!(part("\"\\u00e9\\t[\"", 3..4), "[");
-        assert_eq!(part("\"\"\"\nab\\\n  [\"\"\"", 2..3), "[");
-        assert_eq!(part("word", 1..2), "o");
-    }
-
-    #[test]
-    fn the_nearest_known_table_stands_in_for_an_absent_key() {
-        let source = Arc::new(Source { name: String::new(), text: "[tree]".to_owned() });
-        let places = BTreeMap::from([("tree".to_owned(), Place { source, span: 1..5 })]);
-        let (path, diagnostic) = diagnostic(&places, "tree", Complaint::new("rules[2]", "open bracket", "close it"));
-        assert_eq!(path, "tree.rules.2");
-        assert_eq!(diagnostic.message, "`tree.rules.2`: open bracket");
-        assert_eq!(diagnostic.place.map(|place| place.span), Some(1..5));
-        assert_eq!(nearest(&BTreeMap::new(), "a.b"), None);
-    }
 }

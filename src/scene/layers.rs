@@ -51,6 +51,11 @@ fn make_room(below: &mut Map<String, Value>, above: &Map<String, Value>) {
             }
         }
     }
+    for (name, other) in [("seed", "seeds"), ("seeds", "seed")] {
+        if above.contains_key(name) && !above.contains_key(other) {
+            below.remove(other);
+        }
+    }
     if let (Some(Value::Object(old)), true) = (below.get_mut("tree"), is_whole_tree(above)) {
         old.retain(|key, _| !GROWTH.contains(&key.as_str()));
     }
@@ -88,6 +93,14 @@ mod tests {
         assert_eq!(laid(run.clone(), json!({"time": {"day": 3.0}})), json!({"time": {"day": 3.0}}));
         let finer = laid(run, json!({"time": {"step": 0.5}}));
         assert_eq!(finer, json!({"time": {"from": 0.0, "to": 9.0, "step": 0.5}}));
+    }
+
+    #[test]
+    fn a_seed_above_a_sheet_chooses_one_of_it() {
+        let sheet = json!({"seed": 1, "seeds": [1, 2, 3]});
+        assert_eq!(laid(sheet.clone(), json!({"seed": 2})), json!({"seed": 2}));
+        assert_eq!(laid(sheet, json!({"image": {}})), json!({"seed": 1, "seeds": [1, 2, 3], "image": {}}));
+        assert_eq!(laid(json!({"seed": 5}), json!({"seeds": [7, 8]})), json!({"seeds": [7, 8]}));
     }
 
     #[test]

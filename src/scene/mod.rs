@@ -18,17 +18,21 @@ mod json_schema;
 mod layers;
 pub mod light;
 pub mod output;
+mod places;
+pub mod planting;
 mod reader;
 pub mod schema;
+pub mod sheet;
 mod spelling;
 mod starter;
 mod text_file;
 pub mod time;
 
 pub use asset::{Asset, locate, read_picture};
-pub use complaint::diagnostic;
 pub use json_schema::json_schema;
 pub use light::Light;
+pub use places::Places;
+pub use planting::{Planted, Standing};
 pub use reader::read;
 pub use starter::starter;
 
@@ -44,17 +48,44 @@ pub struct Scene {
     /// The file's name without its ending; begins the names of the frames.
     #[serde(skip)]
     pub name: String,
-    /// The species as the scene names it; none with an L-system of its own.
-    pub species: Option<String>,
     /// Everything random follows from it.
     pub seed: u64,
+    /// The seeds of a contact sheet, in the order of its cells; empty for a scene that is no sheet.
+    pub seeds: Vec<u64>,
     /// The weather.
     pub climate: season::Climate,
     /// When.
     pub time: time::Time,
+    /// The species of its trees, in the order in which trees name them; at least one.
+    pub species: Vec<Species>,
+    /// The trees; without `[[trees]]` one of the only species at the origin.
+    pub trees: Vec<Planted>,
+    /// Where the picture is taken from.
+    pub camera: camera::Camera,
+    /// Sun, sky and exposure.
+    pub light: light::Light,
+    /// Size of the picture.
+    pub image: image::Image,
+    /// What the trees stand on.
+    pub ground: ground::Ground,
+    /// Which files are written.
+    pub output: output::Output,
+    /// The texts that were read, in order: scene, species files.
+    #[serde(skip)]
+    pub files: Vec<TextFile>,
+    /// Where each key of the scene and of the assignments stands.
+    #[serde(skip)]
+    pub places: Places,
+}
+
+/// A species in this scene: its own tables below those of the scene.
+#[derive(Clone, Debug, Serialize)]
+pub struct Species {
+    /// As the scene names it; none with an L-system of the scene's own.
+    pub name: Option<String>,
     /// How leaves pass from state to state.
     pub season: season::Settings,
-    /// How the tree grows.
+    /// How its trees grow, at the age that no tree of the scene need have.
     pub tree: tree::Settings,
     /// The blade.
     pub leaf: leaf::Settings,
@@ -62,25 +93,12 @@ pub struct Scene {
     pub deform: deform::Settings,
     /// How leaves are coloured.
     pub colour: colour::Settings,
-    /// Where the picture is taken from.
-    pub camera: camera::Camera,
-    /// Sun, sky and exposure.
-    pub light: light::Light,
-    /// Size of the picture.
-    pub image: image::Image,
-    /// What the tree stands on.
-    pub ground: ground::Ground,
-    /// Which files are written.
-    pub output: output::Output,
-    /// The files that the scene names, by their key; only their content's hash is part of the resolved scene.
+    /// The files that its tables name, by their key; only their content's hash is part of the resolved scene.
     #[serde(serialize_with = "asset::hashes")]
     pub assets: BTreeMap<String, Asset>,
-    /// The texts that were read, in order: scene, species file.
+    /// Where each key stands: in the scene and the assignments, else in the species file.
     #[serde(skip)]
-    pub files: Vec<TextFile>,
-    /// Where each key stands, by dotted path; entries of lists are `tree.rules.0`.
-    #[serde(skip)]
-    pub places: BTreeMap<String, Place>,
+    pub places: Places,
 }
 
 /// A text that was read.
@@ -100,9 +118,30 @@ impl Scene {
         serde_json::to_value(self).unwrap_or_default()
     }
 
-    /// The place of a key or of its nearest table that stands in a file.
+    /// The place of a key or of its nearest table that stands in the scene or an assignment.
     #[must_use]
     pub fn place(&self, path: &str) -> Option<Place> {
-        complaint::nearest(&self.places, path).map(|(_, place)| place.clone())
+        self.places.of(path)
+    }
+
+    /// The scene with one of the seeds of its contact sheet, drawn in a cell of that many pixels.
+    #[must_use]
+    pub fn cell(&self, seed: u64, [width, height]: [u32; 2]) -> Self {
+        let image = image::Image { width, height, ..self.image.clone() };
+        Self { seed, seeds: Vec::new(), image, ..self.clone() }
+    }
+}
+
+impl Species {
+    /// A name for messages and reports.
+    #[must_use]
+    pub fn label(&self) -> &str {
+        self.name.as_deref().unwrap_or("tree")
+    }
+
+    /// Number of garments of each state: shapes and textures vary together, so that a model is one of each.
+    #[must_use]
+    pub fn variants(&self) -> u32 {
+        self.deform.shapes.max(self.colour.variants)
     }
 }

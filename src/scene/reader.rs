@@ -3,18 +3,19 @@
 
 use super::checker::{Checker, Finding};
 use super::{
-    Scene, TextFile, asset, assignment, bounds, complaint, document, layers, schema, spelling, text_file, time,
+    Places, Planted, Scene, Species, TextFile, assignment, bounds, complaint, document, layers, schema, text_file, time,
 };
 use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault, Place, Source};
 use crate::base::limits::Limits;
-use crate::base::message::shown;
 use crate::base::settings::Schema;
-use crate::species;
+use roster::Whole;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+mod roster;
 
 /// Reads and resolves a scene. `sets` are the arguments of `--set`, `roots` those of `--asset-root`. Beside the scene come
 /// warnings.
@@ -38,7 +39,7 @@ pub fn read(
     let (source, file) = text_file::read(path, &path.to_string_lossy())?;
     reader.files.push(file);
     let keys = schema::scene();
-    let (mut above, is_sound) = reader.text(&source, &keys);
+    let (mut above, is_sound) = reader.text(&source, &keys, None);
     let order = sets.iter().map(|set| assignment::source(set)).collect::<Vec<_>>();
     let assigned = reader.assignments(&order, &keys);
     layers::lay(&mut above, assigned);
@@ -64,8 +65,9 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// Checks a text against its keys; returns what is right of it, and whether the rest can be judged.
-    fn text(&mut self, source: &Arc<Source>, keys: &Schema) -> (Value, bool) {
+    /// Checks a text against its keys; returns what is right of it, and whether the rest can be judged. `species` is the
+    /// number of the species whose text it is.
+    fn text(&mut self, source: &Arc<Source>, keys: &Schema, species: Option<usize>) -> (Value, bool) {
         let document = document::parse(source);
         self.findings.extend(document.faults.into_iter().map(unowned));
         if !document.is_sound {
@@ -73,6 +75,7 @@ impl Reader<'_> {
         }
         let mut checker = Checker::new(source, keys, self.limits);
         let value = checker.walk(document.table.get_ref());
+        checker.findings.iter_mut().for_each(|finding| finding.species = species);
         self.take(checker);
         (value, true)
     }
@@ -97,117 +100,97 @@ impl Reader<'_> {
     }
 
     /// Lays the species below, makes settings of all, and asks the stages.
-    fn resolve(&mut self, source: &Arc<Source>, above: Value) -> Option<Scene> {
-        let name = above.get("species").and_then(Value::as_str).map(str::to_owned);
-        let mut whole = self.species(source, name.as_deref(), &above);
-        layers::lay(&mut whole, above);
-        let mut scene = self.scene(source, &whole)?;
-        self.name_assets(&mut scene, &whole);
-        // Without its species a scene lacks much that its author did not forget.
-        let is_bare = self.findings.iter().any(|finding| finding.path == "species");
-        let from_species = |table: &str| matches!(table, "season" | "tree" | "leaf" | "deform" | "colour");
-        for (table, one) in complaint::complaints(&scene).into_iter().filter(|one| !is_bare || !from_species(one.0)) {
-            let (path, diagnostic) = complaint::diagnostic(&self.places, table, one);
-            self.complain(source, path, diagnostic);
+    fn resolve(&mut self, source: &Arc<Source>, mut above: Value) -> Option<Scene> {
+        let entries = roster::taken(&mut above);
+        let roster = roster::Roster::new(self, source, &above, &entries);
+        let own = self.places.clone();
+        let mut species = Vec::new();
+        let mut wholes = Vec::new();
+        for (number, named) in roster.species.iter().enumerate() {
+            let mut whole = self.species_table(number, named);
+            layers::lay(&mut whole.table, above.clone());
+            species.push(self.species(source, number, named, &whole));
+            wholes.push(whole);
         }
-        for (key, refusal) in bounds::scene(self.limits, &scene) {
-            let diagnostic = Diagnostic::error(Fault::Limit, refusal.to_string(), refusal.help());
-            let place = complaint::nearest(&self.places, key).map(|(_, place)| place.clone());
-            self.complain(source, key.to_owned(), diagnostic.at(place));
-        }
+        let species: Vec<Species> = species.into_iter().collect::<Option<_>>()?;
+        let trees = self.trees(source, &roster, &entries, &wholes, &species)?;
+        self.places = own;
+        let mut scene = self.scene(source, &above, species, trees)?;
+        scene.places = Places(std::mem::take(&mut self.places));
+        self.judge(source, &scene, &wholes);
         scene.files = std::mem::take(&mut self.files);
-        scene.places = std::mem::take(&mut self.places);
         Some(scene)
     }
 
+    /// Asks the stages and the limits what is wrong with well-typed settings.
+    fn judge(&mut self, source: &Arc<Source>, scene: &Scene, wholes: &[Whole]) {
+        for (table, one) in complaint::of_scene(scene) {
+            let (path, diagnostic) = scene.places.diagnostic(&table, one);
+            self.complain(source, Finding { species: None, path, diagnostic });
+        }
+        for (number, (species, whole)) in scene.species.iter().zip(wholes).enumerate() {
+            // Without its species' table much is missing that the author did not forget.
+            let found = if whole.is_bare { Vec::new() } else { complaint::of_species(species, &scene.climate) };
+            for (table, one) in found {
+                let (path, diagnostic) = species.places.diagnostic(table, one);
+                self.complain(source, Finding { species: Some(number), path, diagnostic });
+            }
+        }
+        for (key, refusal) in bounds::scene(self.limits, scene) {
+            let diagnostic = Diagnostic::error(Fault::Limit, refusal.to_string(), refusal.help());
+            let diagnostic = diagnostic.at(scene.place(key));
+            self.complain(source, Finding { species: None, path: key.to_owned(), diagnostic });
+        }
+        if let (true, Some((table, one))) = (self.findings.is_empty(), complaint::of_planting(scene)) {
+            let (path, diagnostic) = scene.places.diagnostic(&table, one);
+            self.complain(source, Finding { species: None, path, diagnostic });
+        }
+    }
+
     /// Adds what was found of well-typed settings, unless a fault of the same key, or one around or within it, led to it.
-    fn complain(&mut self, source: &Arc<Source>, path: String, mut diagnostic: Diagnostic) {
+    fn complain(&mut self, source: &Arc<Source>, mut finding: Finding) {
         let covers = |a: &str, b: &str| a == b || b.strip_prefix(a).is_some_and(|rest| rest.starts_with('.'));
-        let is_known = |finding: &Finding| covers(&finding.path, &path) || covers(&path, &finding.path);
-        if !self.findings.iter().any(is_known) {
-            diagnostic.place = diagnostic.place.or_else(|| beginning(source));
-            self.findings.push(Finding { path, diagnostic });
-        }
-    }
-
-    /// The species' table; empty without one.
-    fn species(&mut self, scene: &Arc<Source>, name: Option<&str>, above: &Value) -> Value {
-        let empty = Value::Object(Map::new());
-        let Some(name) = name else {
-            let is_whole = above.as_object().is_some_and(layers::is_whole_tree);
-            if !is_whole {
-                let what = "the scene names no species";
-                let help = "write species = \"red-maple\" (`leafseason species` lists them), or a whole [tree] with axiom and rules";
-                let fault = Diagnostic::error(Fault::Scene, what, help);
-                self.complain(scene, "species".to_owned(), fault.at(None));
-            }
-            return empty;
+        finding.diagnostic.place = finding.diagnostic.place.or_else(|| beginning(source));
+        let is_known = |known: &Finding| {
+            let same_tables = known.species.is_none() || known.species == finding.species;
+            let same_key = covers(&known.path, &finding.path) || covers(&finding.path, &known.path);
+            same_tables && same_key || known.diagnostic == finding.diagnostic
         };
-        let place = self.places.get("species").cloned();
-        match self.species_text(name) {
-            Ok(source) => {
-                let mut own = std::mem::take(&mut self.places);
-                let (mut table, _) = self.text(&source, &schema::species());
-                // what the scene says stands before what the species says
-                self.places.append(&mut own);
-                if let Value::Object(table) = &mut table {
-                    table.retain(|key, _| key != "name" && key != "description");
-                }
-                table
-            }
-            Err(fault) => {
-                let place = fault.place.clone().or(place);
-                self.findings.push(Finding { path: "species".to_owned(), diagnostic: fault.at(place) });
-                empty
-            }
+        if !self.findings.iter().any(is_known) {
+            self.findings.push(finding);
         }
     }
 
-    fn species_text(&mut self, name: &str) -> Result<Arc<Source>, Diagnostic> {
-        if let Some(text) = species::text(name) {
-            let name = format!("built-in species {name}");
-            return Ok(Arc::new(Source { name, text: text.to_owned() }));
-        }
-        if Path::new(name).extension().is_none_or(|ending| ending != "toml") {
-            let what = format!("there is no built-in species \"{}\"", shown(name, 60));
-            let names: Vec<&str> = species::names().collect();
-            let help = match spelling::nearest(name, names.iter().copied()) {
-                Some(near) => format!("did you mean \"{near}\"?"),
-                None => format!("built in are {}; a species file's name ends in .toml", names.join(", ")),
-            };
-            return Err(Diagnostic::error(Fault::Scene, what, help));
-        }
-        let path = asset::locate(name, &self.folder, self.roots)?;
-        let (source, file) = text_file::read(&path, name)?;
-        self.files.push(file);
-        Ok(source)
-    }
-
-    /// Makes settings of the tables.
-    fn scene(&mut self, source: &Arc<Source>, whole: &Value) -> Option<Scene> {
-        let mut time: time::Time = self.settings(source, whole, "time")?;
+    /// Makes settings of the tables that all trees share.
+    fn scene(
+        &mut self,
+        source: &Arc<Source>,
+        above: &Value,
+        species: Vec<Species>,
+        trees: Vec<Planted>,
+    ) -> Option<Scene> {
+        let mut time: time::Time = self.settings(source, above, "time")?;
         if time == time::Time::default() {
             time.day = Some(time::DEFAULT_DAY);
         }
+        let seeds: Vec<u64> =
+            above.get("seeds").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_u64).collect();
+        let seed = seeds.first().copied().or_else(|| above.get("seed").and_then(Value::as_u64));
         Some(Scene {
             name: String::new(),
-            species: whole.get("species").and_then(Value::as_str).map(str::to_owned),
-            seed: whole.get("seed").and_then(Value::as_u64).unwrap_or(1),
-            climate: self.settings(source, whole, "climate")?,
+            seed: seed.unwrap_or(1),
+            seeds,
+            climate: self.settings(source, above, "climate")?,
             time,
-            season: self.settings(source, whole, "season")?,
-            tree: self.settings(source, whole, "tree")?,
-            leaf: self.settings(source, whole, "leaf")?,
-            deform: self.settings(source, whole, "deform")?,
-            colour: self.settings(source, whole, "colour")?,
-            camera: self.settings(source, whole, "camera")?,
-            light: self.settings(source, whole, "light")?,
-            image: self.settings(source, whole, "image")?,
-            ground: self.settings(source, whole, "ground")?,
-            output: self.settings(source, whole, "output")?,
-            assets: BTreeMap::new(),
+            species,
+            trees,
+            camera: self.settings(source, above, "camera")?,
+            light: self.settings(source, above, "light")?,
+            image: self.settings(source, above, "image")?,
+            ground: self.settings(source, above, "ground")?,
+            output: self.settings(source, above, "output")?,
             files: Vec::new(),
-            places: BTreeMap::new(),
+            places: Places::default(),
         })
     }
 
@@ -218,25 +201,9 @@ impl Reader<'_> {
             Ok(settings) => Some(settings),
             Err(error) => {
                 let place = self.places.get(table).cloned();
-                let fault = Diagnostic::error(Fault::Scene, format!("[{table}]: {error}"), "").at(place);
-                self.complain(source, table.to_owned(), fault);
+                let diagnostic = Diagnostic::error(Fault::Scene, format!("[{table}]: {error}"), "").at(place);
+                self.complain(source, Finding { species: None, path: table.to_owned(), diagnostic });
                 None
-            }
-        }
-    }
-
-    /// Finds and hashes the files that the settings name.
-    fn name_assets(&mut self, scene: &mut Scene, whole: &Value) {
-        for (key, name) in asset::named(whole) {
-            match asset::find(&name, &self.folder, self.roots, self.limits) {
-                Ok(mut found) => {
-                    found.place = self.places.get(key).cloned();
-                    scene.assets.insert(key.to_owned(), found);
-                }
-                Err(fault) => {
-                    let place = self.places.get(key).cloned();
-                    self.findings.push(Finding { path: key.to_owned(), diagnostic: fault.at(place) });
-                }
             }
         }
     }
@@ -244,7 +211,7 @@ impl Reader<'_> {
 
 /// A fault that belongs to no key.
 fn unowned(diagnostic: Diagnostic) -> Finding {
-    Finding { path: "\0".to_owned(), diagnostic }
+    Finding { species: None, path: "\0".to_owned(), diagnostic }
 }
 
 fn beginning(source: &Arc<Source>) -> Option<Place> {
@@ -258,19 +225,19 @@ fn folder(path: &Path) -> PathBuf {
     }
 }
 
-/// By place: the scene first, then a species file, then the assignments in their order.
+/// By place: the scene first, then species files in the order in which trees name them, then the assignments in theirs.
 fn sorted(findings: Vec<Finding>, scene: &Arc<Source>, sets: &[Arc<Source>]) -> Vec<Diagnostic> {
-    let rank = |diagnostic: &Diagnostic| match &diagnostic.place {
-        Some(place) if Arc::ptr_eq(&place.source, scene) => (0, place.span.start),
+    let rank = |finding: &Finding| match &finding.diagnostic.place {
+        Some(place) if Arc::ptr_eq(&place.source, scene) => (0, 0, place.span.start),
         Some(place) => match sets.iter().position(|set| Arc::ptr_eq(set, &place.source)) {
-            Some(index) => (2 + index, place.span.start),
-            None => (1, place.span.start),
+            Some(index) => (2, index, place.span.start),
+            None => (1, finding.species.unwrap_or(0), place.span.start),
         },
-        None => (usize::MAX, 0),
+        None => (3, 0, 0),
     };
-    let mut diagnostics: Vec<Diagnostic> = findings.into_iter().map(|finding| finding.diagnostic).collect();
-    diagnostics.sort_by_key(rank);
-    diagnostics
+    let mut findings = findings;
+    findings.sort_by_key(rank);
+    findings.into_iter().map(|finding| finding.diagnostic).collect()
 }
 
 /// What is worth knowing of a good scene.

@@ -1,6 +1,6 @@
 //! The keys of the two kinds of file: scenes and species.
 
-use super::{camera::Camera, ground::Ground, image::Image, light::Light, output::Output, time::Time};
+use super::{camera::Camera, ground::Ground, image::Image, light::Light, output::Output, planting, sheet, time::Time};
 use crate::base::settings::{Described, Key, Kind, Schema};
 use crate::{colour, deform, leaf, season, tree};
 use serde_json::Value;
@@ -11,7 +11,8 @@ pub fn scene() -> Schema {
     let mut keys = vec![
         text(
             "species",
-            "A built-in species, or the path of a species file; may be absent when [tree] is a whole L-system.",
+            "A built-in species, or the path of a species file; that of the trees of [[trees]] which name none. May be \
+             absent when every tree names its own, or [tree] is a whole L-system.",
         ),
         Key {
             name: "seed",
@@ -21,6 +22,18 @@ pub fn scene() -> Schema {
             kind: Kind::Integer,
             default: Value::from(1),
         },
+        Key {
+            name: "seeds",
+            doc: "A contact sheet to choose from: the scene once with each of these seeds, in the cells of one picture of \
+                  the image's size, the seed in each cell's corner. Stands before `seed`; makes no glTF. To draw the one \
+                  that is chosen, write `--set seed=N`."
+                .to_owned(),
+            unit: "",
+            range: Some((0.0, u64::MAX as f64)),
+            kind: Kind::List(Box::new(Kind::Integer), 1, sheet::MOST_SEEDS),
+            default: Value::Null,
+        },
+        trees(),
         table::<season::Climate>("climate"),
         table::<Time>("time"),
     ];
@@ -54,6 +67,15 @@ fn stages() -> [Key; 5] {
     ]
 }
 
+/// The key of `[[trees]]`.
+fn trees() -> Key {
+    let entry = planting::schema();
+    let doc =
+        format!("The trees of the scene; without them one of `species` stands at the origin. An entry: {}", entry.doc);
+    let kind = Kind::List(Box::new(Kind::Table(entry)), 1, planting::MOST_ENTRIES);
+    Key { name: "trees", doc, unit: "", range: None, kind, default: Value::Null }
+}
+
 fn text(name: &'static str, doc: &str) -> Key {
     Key { name, doc: doc.to_owned(), unit: "", range: None, kind: Kind::Text, default: Value::Null }
 }
@@ -67,8 +89,17 @@ fn table<T: Described>(name: &'static str) -> Key {
 /// The tables of a schema that have a key of this name, for keys that were written into the wrong table.
 #[must_use]
 pub fn homes(schema: &Schema, name: &str) -> Vec<&'static str> {
-    let has = |kind: &Kind| matches!(kind, Kind::Table(inner) if inner.keys.iter().any(|key| key.name == name));
+    let has = |kind: &Kind| matches!(table_of(kind), Some(inner) if inner.keys.iter().any(|key| key.name == name));
     schema.keys.iter().filter(|key| has(&key.kind)).map(|key| key.name).collect()
+}
+
+/// The keys of a table, or of the tables of a list.
+fn table_of(kind: &Kind) -> Option<&Schema> {
+    match kind {
+        Kind::Table(inner) => Some(inner),
+        Kind::List(inner, ..) => table_of(inner),
+        _ => None,
+    }
 }
 
 #[cfg(test)]
@@ -81,7 +112,7 @@ mod tests {
             if key.kind == Kind::Integer && key.range.is_none() {
                 bare.push(path.clone());
             }
-            if let Kind::Table(inner) = &key.kind {
+            if let Some(inner) = table_of(&key.kind) {
                 numbers_have_ranges(inner, &path, bare);
             }
         }
@@ -97,6 +128,7 @@ mod tests {
     #[test]
     fn a_key_in_the_wrong_table_is_found() {
         assert_eq!(homes(&scene(), "humidity"), ["climate"]);
+        assert_eq!(homes(&scene(), "spacing"), ["trees"]);
         assert!(homes(&scene(), "nonsense").is_empty());
     }
 }

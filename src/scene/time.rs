@@ -41,12 +41,6 @@ impl Time {
         }
     }
 
-    /// The days of frames 0 to n-1. Call it after [`Time::count`] was allowed by the limit of frames.
-    #[must_use]
-    pub fn frames(&self) -> Vec<f64> {
-        (0..self.count() as i64).map(|index| self.at(index)).collect()
-    }
-
     /// Whether the scene names one day instead of a run of them; decides the form of the names of frames.
     #[must_use]
     pub fn is_single(&self) -> bool {
@@ -94,16 +88,17 @@ mod tests {
 
     #[test]
     fn the_end_is_included_although_steps_are_rounded() {
-        assert_eq!(run(0.0, 1.0, 0.1).frames().len(), 11);
-        assert_eq!(run(0.0, 120.0, 1.0).frames().len(), 121);
-        assert_eq!(run(0.0, 0.95, 0.1).frames().len(), 10);
-        assert_eq!(run(5.0, 5.0, 1.0).frames(), vec![5.0]);
+        assert_eq!(run(0.0, 1.0, 0.1).count(), 11.0);
+        assert_eq!(run(0.0, 120.0, 1.0).count(), 121.0);
+        assert_eq!(run(0.0, 0.95, 0.1).count(), 10.0);
+        let once = run(5.0, 5.0, 1.0);
+        assert_eq!((once.count(), once.at(0)), (1.0, 5.0));
     }
 
     #[test]
     fn negative_frames_lie_before_the_first() {
         assert_eq!(run(10.0, 20.0, 2.0).at(-3), 4.0);
-        assert_eq!(Time::default().frames(), vec![DEFAULT_DAY]);
+        assert_eq!((Time::default().count(), Time::default().at(0)), (1.0, DEFAULT_DAY));
     }
 
     #[test]

@@ -56,7 +56,7 @@ fn each(leaves: &[u64], moment: impl Fn(u64) -> Moment + Sync) -> Vec<Moment> {
 }
 
 /// Half the sum of the differences: the largest difference in the chance of any set of states.
-fn total_variation(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn total_variation(a: &[f64], b: &[f64]) -> f64 {
     0.5 * a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f64>()
 }
 

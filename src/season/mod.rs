@@ -11,11 +11,13 @@ mod assignment;
 mod chain;
 mod check;
 mod clock;
+mod mixture;
 mod transition;
 
 pub use assignment::{LeafStates, assign};
 pub use chain::{Chain, reachable};
 pub use check::check;
+pub use mixture::mixed;
 pub use transition::Transition;
 
 use crate::base::settings::Corners;

@@ -55,20 +55,23 @@ pub fn built_in() -> Vec<Subject> {
 /// that the table does not know is measured against its own identities alone.
 ///
 /// # Errors
-/// What the tree's rules, the leaf's outline or the limits refuse.
-pub fn lines(subjects: &[Subject], limits: &Limits, quick: bool) -> Result<Vec<Line>, Failure> {
+/// The number of the subject that the tree's rules, the leaf's outline or the limits refuse, and why.
+pub fn lines(subjects: &[Subject], limits: &Limits, quick: bool) -> Result<Vec<Line>, (usize, Failure)> {
     let table = expectation::table();
     let ages = if quick { &AGES[..2] } else { &AGES };
-    let cases: Vec<(&Subject, usize)> =
-        subjects.iter().flat_map(|subject| (0..ages.len()).map(move |age| (subject, age))).collect();
-    let measured = |(subject, age): (&Subject, usize)| {
+    let cases: Vec<(usize, usize)> =
+        (0..subjects.len()).flat_map(|subject| (0..ages.len()).map(move |age| (subject, age))).collect();
+    let measured = |(number, age): (usize, usize)| {
+        let subject = &subjects[number];
         let settings = tree::Settings { age: Some(ages[age]), height: None, ..subject.tree.clone() };
-        let (blade, _) = leaf::model(&subject.leaf, Pictures::default(), limits)?;
-        let (tree, _) = tree::grow(&settings, subject.seed, limits)?;
+        let model = leaf::model(&subject.leaf, Pictures::default(), limits);
+        let (blade, _) = model.map_err(|error| (number, Failure::from(error)))?;
+        let grown = tree::grow(&settings, subject.seed, limits);
+        let (tree, _) = grown.map_err(|error| (number, Failure::from(error)))?;
         let name = format!("{} at {} years", subject.name, ages[age]);
         Ok(held(&name, &stature(&tree, &blade.mesh, &settings), table.get(&subject.name), age))
     };
-    let lines: Result<Vec<Vec<Line>>, Failure> = cases.into_par_iter().map(measured).collect();
+    let lines: Result<Vec<Vec<Line>>, (usize, Failure)> = cases.into_par_iter().map(measured).collect();
     Ok(lines?.concat())
 }
 

@@ -15,6 +15,7 @@ use super::weave::{Circles, Weaver};
 use crate::base::mesh::Mesh;
 use rayon::prelude::*;
 use std::f64::consts::{SQRT_2, TAU};
+use std::sync::Arc;
 
 /// Radius that the thinnest class of wood stays below, metres.
 const THINNEST: f64 = 0.006;
@@ -31,7 +32,7 @@ pub struct Wood {
     /// Number of the class: 0 below 6 mm of radius, each further one up to twice as thick.
     pub class: usize,
     /// The surface; texture coordinates count repeats of the bark.
-    pub mesh: Mesh,
+    pub mesh: Arc<Mesh>,
     /// Radius in the middle of the class, metres.
     pub radius: f64,
     /// Metres that one repeat of the bark covers around; along the axis it covers twice as much.
@@ -63,7 +64,7 @@ pub(super) fn meshes(skeleton: &Skeleton) -> Vec<Wood> {
         chunks.iter().for_each(|chunk| mesh.append(&chunk[class]));
         if !mesh.triangles.is_empty() {
             let radius = middle(class);
-            wood.push(Wood { class, mesh, radius, repeat: TAU * radius / repeats(class) });
+            wood.push(Wood { class, mesh: Arc::new(mesh), radius, repeat: TAU * radius / repeats(class) });
         }
     }
     wood

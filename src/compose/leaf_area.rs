@@ -1,14 +1,12 @@
-//! The leaf area index: what neither the tree stage, which knows no blade, nor the leaf stage, which knows no tree, can say.
+//! Leaf area: what neither the tree stage, which knows no blade, nor the leaf stage, which knows no tree, can say.
 
 use crate::base::flat_mesh::FlatMesh;
 use crate::tree::LeafSite;
 
-/// One-sided area of all blades of the tree in full leaf over the ground below its crown, m2/m2 (Watson 1947, for one
-/// tree). `projection` is that ground, square metres. `None` without ground or leaves.
+/// One-sided area of the blades at these sites in full leaf, square metres.
 #[must_use]
-pub fn leaf_area_index(sites: &[LeafSite], blade: &FlatMesh, projection: f64) -> Option<f64> {
-    let index = sites.iter().map(|site| site.scale * site.scale).sum::<f64>() * area(blade) / projection;
-    (index.is_finite() && index > 0.0).then_some(index)
+pub fn blade_area(sites: &[LeafSite], blade: &FlatMesh) -> f64 {
+    sites.iter().map(|site| site.scale * site.scale).sum::<f64>() * area(blade)
 }
 
 /// Area of a flat blade, square metres.
@@ -42,13 +40,7 @@ mod tests {
 
     #[test]
     fn blades_grow_with_the_square_of_their_scale() {
-        let index = leaf_area_index(&[site(1.0), site(2.0)], &blade(), 0.01).unwrap();
-        assert!((index - 5.0 * 6e-4 / 0.01).abs() < 1e-12);
-    }
-
-    #[test]
-    fn a_tree_without_leaves_or_ground_has_none() {
-        assert_eq!(leaf_area_index(&[], &blade(), 1.0), None);
-        assert_eq!(leaf_area_index(&[site(1.0)], &blade(), 0.0), None);
+        assert!((blade_area(&[site(1.0), site(2.0)], &blade()) - 5.0 * 6e-4).abs() < 1e-12);
+        assert_eq!(blade_area(&[], &blade()), 0.0);
     }
 }

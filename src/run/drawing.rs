@@ -1,0 +1,265 @@
+//! Draws the frames of a prepared scene and writes their files.
+
+use super::manifest::{Key, Manifest};
+use super::names::Names;
+use super::preparation::Prepared;
+use super::progress::{self, Event, Progress};
+use super::signals::Signals;
+use super::stopwatch::{self, timed};
+use super::{Options, Outcome, fault, files, states_file, wardrobe};
+use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault};
+use crate::base::figures::Figures;
+use crate::base::picture::Picture;
+use crate::compose::contact_sheet::Sheet;
+use crate::compose::{Garment, Stock, picture_inset};
+use crate::export;
+use crate::frame::Frame;
+use crate::plan::{self, PlannedFrame};
+use crate::raster;
+use crate::report::{FrameReport, Report};
+use crate::scene::{Scene, output::Gltf};
+use crate::season::LeafStates;
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// The files of a frame, by name.
+type FrameFiles = Vec<(String, Vec<u8>)>;
+/// The states of the leaves of every cell; none without seasons.
+type CellStates = Vec<Option<LeafStates>>;
+
+/// A run under way.
+pub struct Run<'a> {
+    scene: &'a Scene,
+    options: &'a Options,
+    /// The scene, or the cells of its contact sheet.
+    cells: Vec<Prepared>,
+    names: Names,
+    report: Report,
+    states_text: String,
+}
+
+impl<'a> Run<'a> {
+    /// A run that has drawn nothing yet.
+    pub fn new(scene: &'a Scene, options: &'a Options, cells: Vec<Prepared>, names: Names, report: Report) -> Self {
+        let trees = cells.iter().map(|cell| cell.stand.trees.len()).max().unwrap_or(0);
+        let states_text = states_file::header(trees > 1, !scene.seeds.is_empty());
+        Self { scene, options, cells, names, report, states_text }
+    }
+
+    /// The report and the text of the file of states.
+    pub fn finished(self) -> (Report, String) {
+        (self.report, self.states_text)
+    }
+
+    /// Draws every frame that is planned.
+    ///
+    /// # Errors
+    /// The first fault; with `keep_going` only what stops every frame.
+    pub fn draw_all(
+        &mut self,
+        progress: &mut Progress,
+        signals: &Signals,
+        key: &dyn Fn(i64) -> Key,
+        outcome: &mut Outcome,
+    ) -> Result<(), Diagnostics> {
+        let mut stocks = Vec::new();
+        for number in 0..self.cells.len() {
+            if signals.came() {
+                outcome.interrupted = true;
+                return Ok(());
+            }
+            stocks.push(self.stock(number)?);
+        }
+        if signals.came() {
+            outcome.interrupted = true;
+            return Ok(());
+        }
+        self.make_folder()?;
+        files::clean(&self.options.out);
+        // Pictures that later frames repeat are kept until the last of them.
+        let mut drawn: BTreeMap<i64, FrameFiles> = BTreeMap::new();
+        let frames = self.cells.first().map_or_else(Vec::new, |cell| cell.plan.frames.clone());
+        let last_use: BTreeMap<i64, i64> = frames.iter().filter_map(|f| Some((f.same_as?, f.index))).collect();
+        for planned in frames {
+            if signals.came() {
+                outcome.interrupted = true;
+                break;
+            }
+            match self.draw(planned, &stocks, &drawn, key) {
+                Ok(files) => {
+                    progress.tell(Event::Drawn { frame: planned.index });
+                    if last_use.contains_key(&planned.index) {
+                        drawn.insert(planned.index, files);
+                    }
+                    drawn.retain(|earlier, _| planned.same_as != Some(*earlier) || last_use[earlier] != planned.index);
+                }
+                Err(fault) if self.options.keep_going => {
+                    progress.tell(Event::Failed { frame: planned.index, message: &fault.to_string() });
+                    outcome.failed.push((planned.index, fault));
+                }
+                Err(fault) => return Err(fault),
+            }
+        }
+        Ok(())
+    }
+
+    /// What a cell is drawn with in every frame; none when nothing is drawn.
+    fn stock(&mut self, number: usize) -> Result<Option<Stock>, Diagnostics> {
+        let cell = &self.cells[number];
+        let wardrobe = wardrobe::wardrobe(cell, &self.options.limits, &mut self.report)?;
+        Ok(cell.plan.has("compose").then(|| {
+            let start = Instant::now();
+            let stock = Stock::new(&cell.scene, &cell.stand, &wardrobe);
+            self.report.spend("compose", start.elapsed().as_secs_f64());
+            stock
+        }))
+    }
+
+    fn make_folder(&self) -> Result<(), Diagnostics> {
+        let out = &self.options.out;
+        std::fs::create_dir_all(out).map_err(|error| {
+            let what = format!("cannot make the folder {}: {error}", progress::escaped(&out.to_string_lossy()));
+            Diagnostic::error(Fault::Output, what, "name another folder with --out").into()
+        })
+    }
+
+    /// Draws one frame and writes its files, the manifest last.
+    fn draw(
+        &mut self,
+        planned: PlannedFrame,
+        stocks: &[Option<Stock>],
+        drawn: &BTreeMap<i64, FrameFiles>,
+        key: &dyn Fn(i64) -> Key,
+    ) -> Result<FrameFiles, Diagnostics> {
+        let start = Instant::now();
+        let index = planned.index;
+        let states = self.states(index);
+        let earlier = planned.same_as.and_then(|earlier| drawn.get(&earlier));
+        let files: FrameFiles = match earlier {
+            Some(files) => {
+                let names = self.names.all(index);
+                names.into_iter().zip(files).map(|(name, (_, bytes))| (name, bytes.clone())).collect()
+            }
+            None => self.made(index, stocks, &states)?,
+        };
+        for (name, bytes) in &files {
+            files::write(&self.options.out.join(name), bytes).map_err(|error| fault::written(&error))?;
+        }
+        let listed: Vec<(String, &[u8])> = files.iter().map(|(name, bytes)| (name.clone(), bytes.as_slice())).collect();
+        let manifest = Manifest::new(&self.names.scene, self.names.frames, key(index), &listed);
+        manifest.write(&self.options.out).map_err(|error| fault::written(&error))?;
+        self.note(index, &states, start.elapsed().as_secs_f64());
+        Ok(files)
+    }
+
+    /// The files of a frame; none when nothing is drawn.
+    fn made(&mut self, index: i64, stocks: &[Option<Stock>], states: &CellStates) -> Result<FrameFiles, Diagnostics> {
+        let mut pictures = Vec::new();
+        let mut files = Vec::new();
+        for (number, (stock, states)) in stocks.iter().zip(states).enumerate() {
+            let Some(stock) = stock else { continue };
+            let Prepared { scene, stand, .. } = &self.cells[number];
+            let (seed, layout) = (scene.seed, scene.output.gltf);
+            let worn = states.as_ref().map_or_else(Vec::new, |states| plan::garments(scene, stand, states));
+            let frame = timed(&mut self.report, "compose", || {
+                let frame = stock.frame(scene, stand, &worn);
+                let instances = frame.instances.len() as u64;
+                Ok::<_, Diagnostics>((frame, Figures::of(instances)))
+            })?;
+            if scene.output.png {
+                pictures.push((seed, self.rasterised(&frame, &worn, stock)?));
+            }
+            if let (Some(name), Some(layout)) = (self.names.gltf(index), layout) {
+                let bytes = timed(&mut self.report, "gltf", || export::glb(&frame, layout_of(layout)));
+                files.push((name, bytes.map_err(|error| fault::export(&error))?));
+            }
+        }
+        if let Some(name) = self.names.png(index).filter(|_| !pictures.is_empty()) {
+            let picture = self.assembled(pictures);
+            let bytes = timed(&mut self.report, "png", || {
+                let bytes = export::png(&picture).map_err(|error| fault::export(&error))?;
+                let figures = Figures::of(1).with("bytes", bytes.len());
+                Ok::<_, Diagnostics>((bytes, figures))
+            })?;
+            files.insert(0, (name, bytes));
+        }
+        Ok(files)
+    }
+
+    /// The picture of a frame: the only one, or all of them as a contact sheet.
+    fn assembled(&self, mut pictures: Vec<(u64, Picture)>) -> Picture {
+        match pictures.pop() {
+            Some((_, picture)) if self.scene.seeds.is_empty() => picture,
+            last => {
+                pictures.extend(last);
+                let image = &self.scene.image;
+                Sheet::new(image.width, image.height, pictures.len()).assemble(&pictures)
+            }
+        }
+    }
+
+    fn rasterised(&mut self, frame: &Frame, worn: &[Option<Garment>], stock: &Stock) -> Result<Picture, Diagnostics> {
+        let inset = self.scene.output.inset.then(|| stock.inset(worn, frame)).flatten();
+        timed(&mut self.report, "raster", || {
+            let before = stopwatch::processor_seconds();
+            let (mut picture, figures) = raster::draw(frame);
+            if let Some(inset) = &inset {
+                picture_inset::place(&mut picture, &raster::draw(inset).0);
+            }
+            Ok((picture, figures.with("cpu_seconds", stopwatch::processor_seconds() - before)))
+        })
+    }
+
+    fn states(&mut self, index: i64) -> CellStates {
+        self.cells.iter_mut().map(|cell| cell.assigned(index, &mut self.report)).collect()
+    }
+
+    /// Reports a frame that was there already.
+    pub fn count_kept(&mut self, index: i64) {
+        let states = self.states(index);
+        self.note(index, &states, 0.0);
+    }
+
+    /// Adds a frame to the report and to the file of states. The counts are of all trees, and of all cells.
+    fn note(&mut self, index: i64, states: &CellStates, seconds: f64) {
+        let day = self.scene.time.at(index);
+        let mut frame = FrameReport {
+            index,
+            day,
+            date: None,
+            leaves: self.cells.iter().map(|cell| cell.stand.leaf_ids.len() as u64).sum(),
+            states: BTreeMap::new(),
+            expected: BTreeMap::new(),
+            fallen: 0,
+            png: self.names.png(index),
+            gltf: self.names.gltf(index),
+            seconds,
+        };
+        let drawn: usize = states.iter().flatten().map(|states| states.states.len()).sum();
+        for (cell, states) in self.cells.iter().zip(states) {
+            let Some(states) = states else { continue };
+            let alone = states.states.len() == drawn;
+            let weight = states.states.len() as f64 / drawn.max(1) as f64;
+            for (number, name) in states.names.iter().enumerate() {
+                let count = states.states.iter().filter(|&&state| usize::from(state) == number).count() as u64;
+                *frame.states.entry(name.clone()).or_default() += count;
+                let share = if alone { states.expected[number] } else { weight * states.expected[number] };
+                *frame.expected.entry(name.clone()).or_default() += share;
+            }
+            if self.options.states.is_some() {
+                let seed = (!self.scene.seeds.is_empty()).then_some(cell.scene.seed);
+                states_file::append(&mut self.states_text, (index, day), &cell.stand, states, seed);
+            }
+        }
+        frame.fallen = frame.states.get(plan::FALLEN).copied().unwrap_or(0);
+        self.report.frames.push(frame);
+    }
+}
+
+fn layout_of(layout: Gltf) -> export::Layout {
+    match layout {
+        Gltf::Nodes => export::Layout::Nodes,
+        Gltf::Merged => export::Layout::Merged,
+        Gltf::Instanced => export::Layout::Instanced,
+    }
+}

@@ -1,0 +1,86 @@
+//! What memory a run will take, held against the limit before any of it is taken.
+
+use super::growth::{LEAF_BYTES, SITE_BYTES, WOOD_BYTES};
+use super::preparation::Prepared;
+use super::{fault, memory};
+use crate::base::diagnostic::Diagnostics;
+use crate::base::limits::{Limit, Limits};
+use crate::compose::Form;
+use crate::scene::Scene;
+use crate::scene::output::Gltf;
+
+/// Bytes by the table of the scene that asks for them.
+type Parts = Vec<(&'static str, f64)>;
+
+/// Most cells of the light volume of a stand, and the memory of one, bytes.
+const CANOPY_CELLS: f64 = 300_000.0;
+const CANOPY_BYTES: f64 = 200.0;
+/// Memory of a line of the file of states, bytes.
+const LINE_BYTES: f64 = 64.0;
+/// Memory of a leaf's node in a glTF file, bytes (measured: 560), and of an instance's numbers.
+const NODE_BYTES: f64 = 700.0;
+
+/// Holds what the run will take against the limit, then against what the system has left to give. The cells of a contact
+/// sheet are drawn one after another, but what they draw with is kept.
+///
+/// # Errors
+/// More than is allowed, or than there is.
+pub fn allow(cells: &[Prepared], states_frames: usize, limits: &Limits) -> Result<(), Diagnostics> {
+    let Some(first) = cells.first() else { return Ok(()) };
+    let mut parts = drawing(first);
+    let sites = cells.iter().map(|cell| cell.stand.leaf_ids.len()).sum::<usize>() as f64;
+    parts.push(("output", sites * states_frames as f64 * LINE_BYTES));
+    cells.iter().for_each(|cell| parts.extend(kept(cell)));
+    let wanted = parts.iter().map(|(_, bytes)| bytes).sum();
+    // the table that asks for most is the one to mend
+    let table = parts.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or("image", |part| part.0);
+    let allowed = limits.allow(Limit::Memory, "the scene", wanted);
+    allowed.map_err(|refusal| place(&first.scene, table, &refusal))?;
+    if memory::is_granted(wanted) { Ok(()) } else { Err(fault::out_of_memory(&first.scene.places, table, wanted)) }
+}
+
+fn place(scene: &Scene, table: &str, refusal: &crate::base::limits::Refusal) -> Diagnostics {
+    let has_table = scene.place(table).is_some();
+    let places = if has_table { &scene.places } else { &scene.species[0].places };
+    fault::refused(places, table, refusal)
+}
+
+/// What is taken while a frame is drawn. The factors were measured as growth of the peak with each size, and rounded up.
+fn drawing(cell: &Prepared) -> Parts {
+    let scene = &cell.scene;
+    let square = |side: u32| f64::from(side) * f64::from(side);
+    let leaves = cell.stand.leaf_ids.len() as f64;
+    let vertices = scene.species.iter().map(|species| species.leaf.vertices).max().unwrap_or(0);
+    let file = match scene.output.gltf {
+        Some(Gltf::Merged) => leaves * f64::from(vertices) * 120.0,
+        Some(Gltf::Nodes) => leaves * NODE_BYTES,
+        Some(Gltf::Instanced) => leaves * 100.0,
+        None => 0.0,
+    };
+    // A file that later frames repeat is kept until the last of them.
+    let repeated: std::collections::BTreeSet<i64> = cell.plan.frames.iter().filter_map(|frame| frame.same_as).collect();
+    let kept = repeated.len() as f64 * (scene.image.pixels() * 4.0 + file * 0.5);
+    let canopy = if cell.stand.trees.len() > 1 { CANOPY_CELLS * CANOPY_BYTES } else { 0.0 };
+    vec![
+        ("image", 1.2e8 + scene.image.pixels() * 16.0),
+        ("light", square(scene.light.shadow_size) * 12.0 + canopy),
+        ("output", file + kept),
+    ]
+}
+
+/// What a cell keeps from frame to frame.
+fn kept(cell: &Prepared) -> Parts {
+    let square = |side: u32| f64::from(side) * f64::from(side);
+    let Prepared { scene, stand, plan, .. } = cell;
+    let forms = stand.forms.iter();
+    let wood = forms.clone().map(Form::wood_vertices).sum::<usize>() as f64;
+    let sites = forms.map(|form| form.sites.len()).sum::<usize>() as f64;
+    let mut parts = vec![("tree", wood * WOOD_BYTES + sites * SITE_BYTES + stand.leaf_ids.len() as f64 * LEAF_BYTES)];
+    for (number, species) in scene.species.iter().enumerate() {
+        let garments = plan.garments_of(number);
+        let made = |count: u32| crate::plan::items(&garments, count).len() as f64;
+        parts.push(("deform", made(species.deform.shapes) * f64::from(species.leaf.vertices) * 300.0));
+        parts.push(("colour", made(species.colour.variants) * square(species.colour.size) * 70.0));
+    }
+    parts
+}
