@@ -20,6 +20,8 @@ const PICTURES: &[(&str, &str)] = &[
     ("shoot", "a current shoot: leaves on petioles, opposite pairs, two-sided light"),
     ("leaf_red", "one blade: outline, curl, veins and colour of a red leaf"),
     ("leaf_backlit", "light through a blade: transmission, veins against the sun"),
+    ("grove", "several trees: places, turns, forms that stand again, the camera that holds all"),
+    ("sheet", "a contact sheet: cells, and the numbers of their seeds"),
 ];
 
 /// Scenes whose plan is golden.
