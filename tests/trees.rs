@@ -144,7 +144,7 @@ fn trees_give_the_same_bytes_on_any_threads_and_with_everything_made() {
 fn two_species() -> (TempDir, Scene) {
     let folder = tempfile::tempdir().unwrap();
     let tree = |lines: &str| format!("[tree]\naxiom = \"F(1)[+L]L\"\nrules = []\n{lines}");
-    let leaf = "[leaf]\noutline = [[0, 0], [15, 20], [0, 45], [-15, 20]]\nvertices = 60\n[colour]\nsize = 32\n\
+    let leaf = "[leaf]\noutline = [[0, 0], [15, 20], [0, 45], [-15, 20]]\nvertices = 60\n[colour]\nsize = 32\nvariants = 1\n\
                 [deform]\nsteps = 40\nshapes = 1\n";
     let season = |states: &str| format!("[season]\nstart = \"green\"\n[season.states]\n{states}");
     let one = season("green = {}\n");
@@ -222,7 +222,7 @@ fn a_fitted_camera_sees_every_tree() {
 
 #[test]
 fn a_contact_sheet_has_each_seed_in_its_cell() {
-    let sets = ["time.day=9", "output={}", "ground.kind=none", "light.shadow_size=0"];
+    let sets = ["time.day=9", "ground.kind=none", "light.shadow_size=0"];
     let sheet = small(&[&sets[..], &["seeds=[7, 3, 7]"]].concat());
     let picture = |scene: &Scene| {
         let made = made(scene);

@@ -75,7 +75,9 @@ impl Sheet {
                     set(&mut sheet, [left + x, top + y], picture.at(x, y));
                 }
             }
-            label(&mut sheet, [left, top, width, height], *seed);
+            // Numbers are of one size, though cells differ by a pixel.
+            let dot = (self.height / self.rows / RELATIVE_HEIGHT / HEIGHT).max(1);
+            label(&mut sheet, [left, top, width, height], dot, *seed);
         }
         sheet
     }
@@ -85,12 +87,12 @@ fn set(picture: &mut Picture, [x, y]: [u32; 2], colour: [u8; 4]) {
     picture.pixels[y as usize * picture.width as usize + x as usize] = colour;
 }
 
-/// Writes a number on a plate in the corner of a cell, as large as fits.
-fn label(sheet: &mut Picture, [left, top, width, height]: [u32; 4], number: u64) {
+/// Writes a number on a plate in the corner of a cell, its dots so many pixels wide, or fewer where it would not fit.
+fn label(sheet: &mut Picture, [left, top, width, height]: [u32; 4], dot: u32, number: u64) {
     let text = number.to_string();
     let wide = text.len() as u32 * ADVANCE + 1;
     let tall = HEIGHT + 2;
-    let dot = (height / RELATIVE_HEIGHT / HEIGHT).max(1).min(width / wide).min(height / tall);
+    let dot = dot.min(width / wide).min(height / tall);
     for (y, x) in (0..tall * dot).flat_map(|y| (0..wide * dot).map(move |x| (y, x))) {
         set(sheet, [left + x, top + y], PLATE);
     }

@@ -115,9 +115,11 @@ fn cells(scene: &Scene) -> Vec<Scene> {
 
 /// The plan of all cells.
 fn whole_plan(scene: &Scene, prepared: &[Prepared]) -> Plan {
-    let plans = prepared.iter().map(|cell| cell.plan.clone());
-    let one = plans.clone().next().unwrap_or_default();
-    if scene.seeds.is_empty() { one } else { Plan::of_sheet(scene.seeds.iter().copied().zip(plans).collect()) }
+    if scene.seeds.is_empty() {
+        return prepared.first().map_or_else(Plan::default, |cell| cell.plan.clone());
+    }
+    let plans: Vec<(u64, Plan)> = prepared.iter().map(|cell| (cell.scene.seed, cell.plan.clone())).collect();
+    Plan::of_sheet(&plans)
 }
 
 /// Renders the frames that are asked for and not finished yet.

@@ -1,7 +1,7 @@
 //! What memory a run will take, held against the limit before any of it is taken.
 
 use super::growth::{LEAF_BYTES, SITE_BYTES, WOOD_BYTES};
-use super::preparation::Prepared;
+use super::preparation::{KEPT_BYTES, Prepared, STATE_BYTES};
 use super::{fault, memory};
 use crate::base::diagnostic::Diagnostics;
 use crate::base::limits::{Limit, Limits};
@@ -17,8 +17,9 @@ const CANOPY_CELLS: f64 = 300_000.0;
 const CANOPY_BYTES: f64 = 200.0;
 /// Memory of a line of the file of states, bytes.
 const LINE_BYTES: f64 = 64.0;
-/// Memory of a leaf's node in a glTF file, bytes (measured: 560), and of an instance's numbers.
-const NODE_BYTES: f64 = 700.0;
+/// Memory of a leaf's node while a glTF file is made, bytes (measured: 750), and of an instance's numbers (measured: 60).
+const NODE_BYTES: f64 = 900.0;
+const INSTANCE_BYTES: f64 = 100.0;
 
 /// Holds what the run will take against the limit, then against what the system has left to give. The cells of a contact
 /// sheet are drawn one after another, but what they draw with is kept.
@@ -54,7 +55,7 @@ fn drawing(cell: &Prepared) -> Parts {
     let file = match scene.output.gltf {
         Some(Gltf::Merged) => leaves * f64::from(vertices) * 120.0,
         Some(Gltf::Nodes) => leaves * NODE_BYTES,
-        Some(Gltf::Instanced) => leaves * 100.0,
+        Some(Gltf::Instanced) => leaves * INSTANCE_BYTES,
         None => 0.0,
     };
     // A file that later frames repeat is kept until the last of them.
@@ -76,6 +77,8 @@ fn kept(cell: &Prepared) -> Parts {
     let wood = forms.clone().map(Form::wood_vertices).sum::<usize>() as f64;
     let sites = forms.map(|form| form.sites.len()).sum::<usize>() as f64;
     let mut parts = vec![("tree", wood * WOOD_BYTES + sites * SITE_BYTES + stand.leaf_ids.len() as f64 * LEAF_BYTES)];
+    let states = plan.frames.len() as f64 * (stand.leaf_ids.len() * STATE_BYTES) as f64;
+    parts.push(("time", states.min(KEPT_BYTES as f64)));
     for (number, species) in scene.species.iter().enumerate() {
         let garments = plan.garments_of(number);
         let made = |count: u32| crate::plan::items(&garments, count).len() as f64;

@@ -3,7 +3,8 @@
 
 use super::checker::{Checker, Finding};
 use super::{
-    Places, Planted, Scene, Species, TextFile, assignment, bounds, complaint, document, layers, schema, text_file, time,
+    Places, Planted, Scene, Species, TextFile, assignment, bounds, complaint, document, layers, schema, sheet,
+    text_file, time,
 };
 use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault, Place, Source};
 use crate::base::limits::Limits;
@@ -47,7 +48,7 @@ pub fn read(
     match (resolved, reader.findings.is_empty()) {
         (Some(mut scene), true) => {
             scene.name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            let warnings = warnings(&scene);
+            let warnings = sheet::settle(&mut scene).into_iter().chain(warnings(&scene)).collect();
             Ok((scene, warnings))
         }
         _ => Err(Diagnostics(sorted(reader.findings, &source, &order))),

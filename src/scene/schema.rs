@@ -25,7 +25,7 @@ pub fn scene() -> Schema {
         Key {
             name: "seeds",
             doc: "A contact sheet to choose from: the scene once with each of these seeds, in the cells of one picture of \
-                  the image's size, the seed in each cell's corner. Stands before `seed`; makes no glTF. To draw the one \
+                  the image's size, the seed in each cell's corner. Stands before `seed`; no glTF file is written. To draw the one \
                   that is chosen, write `--set seed=N`."
                 .to_owned(),
             unit: "",

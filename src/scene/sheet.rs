@@ -1,6 +1,7 @@
 //! Contact sheets: `seeds` draws the scene once with each seed, in the cells of one picture.
 
 use super::Scene;
+use crate::base::diagnostic::Diagnostic;
 use crate::base::settings::Complaint;
 
 /// Most seeds of a sheet.
@@ -17,15 +18,21 @@ pub fn grid(count: usize) -> [u32; 2] {
     [columns, count.div_ceil(columns)]
 }
 
+/// Takes away what a sheet cannot have, with a warning: seeds may come from the command line above any scene.
+pub(super) fn settle(scene: &mut Scene) -> Option<Diagnostic> {
+    if scene.seeds.is_empty() || scene.output.gltf.is_none() {
+        return None;
+    }
+    scene.output.gltf = None;
+    let what = "a contact sheet is a picture: no glTF file is written";
+    Some(Diagnostic::warning(what, "choose one with `seed` to have its glTF file").at(scene.place("seeds")))
+}
+
 /// What is wrong with the seeds of a well-typed scene.
 pub(super) fn check(scene: &Scene) -> Vec<Complaint> {
     let mut complaints = Vec::new();
     if scene.seeds.is_empty() {
         return complaints;
-    }
-    if scene.output.gltf.is_some() {
-        let help = "choose one with `seed`, or leave output.gltf out";
-        complaints.push(Complaint::new("seeds", "a contact sheet is a picture: it has no glTF file", help));
     }
     let [columns, rows] = grid(scene.seeds.len());
     let (width, height) = (scene.image.width / columns, scene.image.height / rows);
