@@ -1,5 +1,6 @@
 //! One leaf, enlarged: the picture in the picture of the paper's Figure 12.
 
+use super::petiole::Petiole;
 use super::{Garment, Stock};
 use crate::base::mesh::Mesh;
 use crate::base::vector::{Affine, Mat3, Vec3};
@@ -23,7 +24,8 @@ impl Stock {
             *counts.entry(*garment).or_default() += 1;
         }
         let (&garment, _) = counts.iter().max_by_key(|(garment, count)| (**count, std::cmp::Reverse(**garment)))?;
-        let &model = self.worn.get(&garment)?;
+        let &model =
+            [Petiole::Mean, Petiole::Short, Petiole::Long].iter().find_map(|p| self.worn.get(&(garment, *p)))?;
         let blade = &self.meshes[self.models[model as usize].parts.first()?.mesh as usize];
         let (low, high) = blade.bounds()?;
         let middle = (low + high) * 0.5;

@@ -25,7 +25,7 @@ mod tests {
 
     fn site(scale: f64) -> LeafSite {
         let (base, petiole, blade, normal) = (DVec3::zeros(), DVec3::x(), DVec3::x(), DVec3::y());
-        LeafSite { id: 0, base, petiole, blade, normal, scale, order: 0, petiole_length: 0.0, segment: None }
+        LeafSite { id: 0, base, petiole, blade, normal, scale, order: 0, petiole_length: 1.0, segment: None }
     }
 
     /// Two by three centimetres.

@@ -27,8 +27,9 @@ use crate::colour::Painted;
 use crate::frame::{Frame, Instance, Material, Model, Part, Texture};
 use crate::scene::{Scene, Species, ground::Cover};
 use crate::tree::LeafSite;
+use petiole::Petiole;
 use stand::Pose;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// One shape of a state in one of its textures.
@@ -66,12 +67,12 @@ pub struct Stock {
     textures: Vec<Arc<Texture>>,
     materials: Vec<Material>,
     models: Vec<Model>,
-    /// Number of the model of each garment.
-    worn: BTreeMap<Garment, u32>,
+    /// Number of the model of each garment and length of the petiole.
+    worn: BTreeMap<(Garment, Petiole), u32>,
     /// Number of the model of each form's wood.
     wood: Vec<u32>,
-    /// Where the petiole of each species leaves its twig, in the leaf's coordinates.
-    petiole_bases: Vec<Vec3>,
+    /// Where the petiole of each species and length leaves its twig, in the leaf's coordinates.
+    petiole_bases: BTreeMap<(usize, Petiole), Vec3>,
     ground: Option<crate::frame::Ground>,
 }
 
@@ -80,10 +81,10 @@ impl Stock {
     #[must_use]
     pub fn new(scene: &Scene, stand: &Stand, wardrobe: &Wardrobe) -> Self {
         let tags = tags(&scene.species);
-        let mut stock = Self { petiole_bases: vec![Vec3::zeros(); scene.species.len()], ..Self::default() };
+        let mut stock = Self::default();
         stock.add_wood(scene, stand, &tags);
         for (number, tag) in tags.iter().enumerate() {
-            stock.add_leaves(scene, number, tag, wardrobe);
+            stock.add_leaves(scene, stand, (number, tag), wardrobe);
         }
         if scene.output.png && scene.ground.kind == Cover::Grass {
             stock.add_ground(scene, stand);
@@ -141,32 +142,45 @@ impl Stock {
     }
 
     /// The models that leaves of a species wear.
-    fn add_leaves(&mut self, scene: &Scene, number: usize, tag: &str, wardrobe: &Wardrobe) {
+    fn add_leaves(&mut self, scene: &Scene, stand: &Stand, (number, tag): (usize, &str), wardrobe: &Wardrobe) {
         let species = &scene.species[number];
         let mut shapes =
             wardrobe.shapes.iter().filter(|(garment, _)| usize::from(garment.species) == number).peekable();
         if shapes.peek().is_none() {
             return;
         }
+        let of_species = stand.forms.iter().filter(|form| form.species == number);
+        let petioles: BTreeSet<Petiole> = of_species.flat_map(|form| form.sites.iter().map(Petiole::of)).collect();
         let length = species.tree.petiole * 1e-3;
         let bend = species.tree.petiole_angle.to_radians();
-        let stalk = (length > 0.0).then(|| {
-            self.petiole_bases[number] = petiole::base(length, bend);
-            let mesh = self.push_mesh(Arc::new(petiole::mesh(length, bend)));
+        let material = (length > 0.0).then(|| {
             let colour = species.tree.petiole_colour.map(|c| c as f32);
-            let material = self.push_material(wood(&format!("{tag}petiole"), colour));
-            Part { mesh, material }
+            self.push_material(wood(&format!("{tag}petiole"), colour))
         });
+        let stalks: Vec<(Petiole, Option<Part>)> = petioles
+            .iter()
+            .map(|&petiole| {
+                let length = length * petiole.length();
+                self.petiole_bases.insert((number, petiole), petiole::base(length, bend));
+                let part = material.map(|material| {
+                    let mesh = self.push_mesh(Arc::new(petiole::mesh(length, bend)));
+                    Part { mesh, material }
+                });
+                (petiole, part)
+            })
+            .collect();
         for (garment, shape) in shapes {
             let state = &wardrobe.states[usize::from(garment.state)];
             let name = format!("leaf_{tag}{}_{}", model_name(state, garment.state), garment.variant);
             let mesh = self.push_mesh(shape.clone());
             let painted = wardrobe.textures.get(garment);
             let material = self.add_leaf_material(species, &name, state, painted.map(Arc::as_ref));
-            let mut parts = vec![Part { mesh, material }];
-            parts.extend(stalk);
-            self.worn.insert(*garment, self.models.len() as u32);
-            self.models.push(Model { name, parts });
+            for &(petiole, stalk) in &stalks {
+                let mut parts = vec![Part { mesh, material }];
+                parts.extend(stalk);
+                self.worn.insert((*garment, petiole), self.models.len() as u32);
+                self.models.push(Model { name: format!("{name}{}", petiole.suffix()), parts });
+            }
         }
     }
 
@@ -216,8 +230,9 @@ impl Stock {
             form.sites.iter().map(move |site| (form.species, pose, site))
         });
         for ((species, pose, site), (garment, &id)) in sites.zip(worn.iter().zip(&stand.leaf_ids)) {
-            if let Some(&model) = garment.as_ref().and_then(|garment| self.worn.get(garment)) {
-                let transform = placed(site, pose, self.petiole_bases[species]);
+            let petiole = Petiole::of(site);
+            if let Some(&model) = garment.and_then(|garment| self.worn.get(&(garment, petiole))) {
+                let transform = placed(site, pose, self.petiole_bases[&(species, petiole)]);
                 instances.push(Instance { model, transform, leaf: Some(id) });
             }
         }

@@ -4,6 +4,7 @@
 use crate::base::maths::{cos, sin};
 use crate::base::mesh::Mesh;
 use crate::base::vector::{Vec2, Vec3};
+use crate::tree::LeafSite;
 use std::f64::consts::TAU;
 
 /// Sides of the tube: it is seen a pixel wide at most.
@@ -12,6 +13,43 @@ const SIDES: usize = 3;
 const PIECES: usize = 4;
 /// Radius in the middle over the length; a red maple's petiole of 75 mm is 1.3 mm thick (judged).
 const SLENDERNESS: f64 = 0.009;
+
+/// Petioles come in three lengths: each is a model of its own, and more could not be told apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) enum Petiole {
+    Mean,
+    Short,
+    Long,
+}
+
+impl Petiole {
+    /// That of a leaf.
+    pub(super) fn of(site: &LeafSite) -> Self {
+        match site.petiole_length {
+            length if length < 0.86 => Self::Short,
+            length if length > 1.14 => Self::Long,
+            _ => Self::Mean,
+        }
+    }
+
+    /// Length over the species' mean.
+    pub(super) fn length(self) -> f64 {
+        match self {
+            Self::Mean => 1.0,
+            Self::Short => 0.72,
+            Self::Long => 1.28,
+        }
+    }
+
+    /// What the names of its models end with.
+    pub(super) fn suffix(self) -> &'static str {
+        match self {
+            Self::Mean => "",
+            Self::Short => "_short",
+            Self::Long => "_long",
+        }
+    }
+}
 
 /// Where the petiole leaves the twig, for a petiole of `length` metres that meets the blade's plane at `bend` radians.
 pub(super) fn base(length: f64, bend: f64) -> Vec3 {

@@ -128,7 +128,7 @@ mod tests {
             normal: DVec3::y(),
             scale: 1.0,
             order: 0,
-            petiole_length: 0.0,
+            petiole_length: 1.0,
             segment: None,
         };
         Form::new(0, Tree { sites: (0..leaves).map(site).collect(), ..Tree::default() })

@@ -3,7 +3,7 @@
 use crate::base::flat_mesh::FlatMesh;
 use crate::base::maths::{cos, sin, sincos};
 use crate::base::vector::DVec3;
-use crate::tree::Tree;
+use crate::tree::{Settings, Tree};
 use std::f64::consts::{PI, TAU};
 use tiny_skia::{FillRule, Mask, Path, PathBuilder, Transform};
 
@@ -25,10 +25,10 @@ pub struct Silhouette {
 }
 
 /// Looks at the tree along -z, in parallel projection. Leaves are ellipses of their blade's length and area at the end of
-/// petioles that meet them at `petiole_angle` (degrees). With `leaves` off it is the tree in winter.
+/// their petioles. With `leaves` off it is the tree in winter.
 #[must_use]
-pub fn silhouette(tree: &Tree, blade: &FlatMesh, petiole_angle: f64, leaves: bool) -> Silhouette {
-    let (mask, metres) = draw(tree, blade, petiole_angle, leaves);
+pub fn silhouette(tree: &Tree, blade: &FlatMesh, settings: &Settings, leaves: bool) -> Silhouette {
+    let (mask, metres) = draw(tree, blade, settings, leaves);
     let covered = Grid { width: mask.width() as usize, inside: mask.data().iter().map(|&a| a > 127).collect() };
     let outline = covered.closed(CLOSING / metres).largest().filled();
     let drawn = covered.inside.iter().zip(&outline.inside).filter(|(drawn, inside)| **drawn && **inside).count();
@@ -37,7 +37,7 @@ pub fn silhouette(tree: &Tree, blade: &FlatMesh, petiole_angle: f64, leaves: boo
 }
 
 /// The covered pixels, and metres a pixel.
-fn draw(tree: &Tree, blade: &FlatMesh, petiole_angle: f64, leaves: bool) -> (Mask, f64) {
+fn draw(tree: &Tree, blade: &FlatMesh, settings: &Settings, leaves: bool) -> (Mask, f64) {
     let metres = tree.height.max(0.01) / f64::from(HEIGHT);
     let margin = (CLOSING / metres).ceil() as u32 + 2;
     let half = (tree.crown_radius + 0.3) / metres;
@@ -54,11 +54,13 @@ fn draw(tree: &Tree, blade: &FlatMesh, petiole_angle: f64, leaves: bool) -> (Mas
     if leaves {
         let length = blade.positions.iter().map(|p| p.y).fold(0.0, f64::max);
         let breadth = blade.area() / (PI * 0.25 * length.max(1e-6));
-        let (upward, forward) = sincos(petiole_angle.to_radians());
+        let (upward, forward) = sincos(settings.petiole_angle.to_radians());
         for site in &tree.sites {
             let along = site.blade * (0.5 * length * site.scale);
             let across = site.blade.cross(&site.normal) * (0.5 * breadth * site.scale);
-            let joint = site.base + (site.blade * forward + site.normal * upward) * site.petiole_length;
+            let joint = site.base
+                + (site.blade * forward + site.normal * upward)
+                    * (settings.petiole * 1e-3 * site.scale * site.petiole_length);
             let corner = |n: usize| {
                 let angle = TAU * n as f64 / 8.0;
                 project(joint + along + along * cos(angle) + across * sin(angle))

@@ -47,7 +47,7 @@ pub fn stature(tree: &Tree, blade: &FlatMesh, settings: &Settings) -> BTreeMap<&
     note("leaves_thousands", Some(leaves * 1e-3));
     note("blade_cm", Some(length));
     note("blade_area_cm2", Some(area * 1e4));
-    note("petiole_cm", mean(tree.sites.iter().map(|site| site.petiole_length * 100.0)));
+    note("petiole_cm", mean(tree.sites.iter().map(|site| settings.petiole * 0.1 * site.scale * site.petiole_length)));
     note("leaf_area_index", Some(leaves * area / projection));
     let inclination = |normal: DVec3| acos(normal.y.abs().min(1.0)).to_degrees();
     note("inclination_deg", mean(tree.sites.iter().map(|site| inclination(site.normal))));
@@ -71,7 +71,7 @@ pub fn stature(tree: &Tree, blade: &FlatMesh, settings: &Settings) -> BTreeMap<&
     note("radius_exponent", Some(settings.radius_exponent));
     let old_wood = tree.sites.iter().filter(|site| segment(tree, site.segment).is_none_or(|s| s.birth < tree.youngest));
     note("leaves_on_old_wood", Some(old_wood.count() as f64));
-    let summer = silhouette(tree, blade, settings.petiole_angle, true);
+    let summer = silhouette(tree, blade, settings, true);
     note("sky_percent", Some(summer.sky * 100.0));
     note("lumpiness", Some(summer.lumpiness));
     figures

@@ -16,6 +16,8 @@ const AZIMUTH_SPREAD: f64 = 28.0;
 const ROLL_SPREAD: f64 = 14.0;
 /// Spread of the angle between twig and petiole, degrees.
 const PETIOLE_SPREAD: f64 = 9.0;
+/// Spread of the petioles' lengths at one place, relative.
+const PETIOLE_LENGTH_SPREAD: f64 = 0.1;
 /// How far a petiole bends up: the vertical added to its unit direction before that is made unit again.
 const PETIOLE_RISE: f64 = 0.25;
 
@@ -36,7 +38,7 @@ pub struct LeafSite {
     pub scale: f64,
     /// Order of the axis it sits on.
     pub order: u32,
-    /// Length of the petiole, metres.
+    /// Length of the petiole over that of the species' mean leaf of this size.
     pub petiole_length: f64,
     /// Number of the segment at whose end it sits.
     pub segment: Option<u32>,
@@ -49,8 +51,14 @@ const SHADE_SIZE: f64 = 1.14;
 const SUN_INCLINATION: f64 = 1.15;
 const SHADE_INCLINATION: f64 = 0.7;
 
-/// The site of a leaf that the turtle passed and that sees the share `light` of the sky.
-pub(super) fn site(shoot: &Shoot, skeleton: &Skeleton, light: f64, settings: &Settings, seed: u64) -> LeafSite {
+/// The site of a leaf that the turtle passed and that sees the share `light` of the sky; its `petiole` is relative to the mean.
+pub(super) fn site(
+    shoot: &Shoot,
+    skeleton: &Skeleton,
+    (light, petiole_length): (f64, f64),
+    settings: &Settings,
+    seed: u64,
+) -> LeafSite {
     let mut stream = Stream::new(seed, Purpose::LeafSite, shoot.id, 0);
     let angle = (settings.petiole_angle + PETIOLE_SPREAD * stream.normal()).clamp(0.0, 180.0).to_radians();
     let leaving = shoot.heading * cos(angle) - shoot.up * sin(angle);
@@ -61,7 +69,7 @@ pub(super) fn site(shoot: &Shoot, skeleton: &Skeleton, light: f64, settings: &Se
     let size = 1.0 + settings.leaf_size_spread * stream.normal();
     let scale = shoot.scale * size.clamp(0.35, 1.65) * lit(SHADE_SIZE, SUN_SIZE);
     let base = surface(shoot, skeleton, petiole);
-    let petiole_length = settings.petiole * 1e-3 * scale;
+    let petiole_length = petiole_length * (1.0 + PETIOLE_LENGTH_SPREAD * stream.normal()).clamp(0.7, 1.3);
     let (segment, order) = (shoot.segment, shoot.order);
     LeafSite { id: shoot.id, base, petiole, blade, normal, scale, order, petiole_length, segment }
 }

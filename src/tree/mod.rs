@@ -32,6 +32,7 @@ mod leaf_site;
 mod modules;
 mod parser;
 mod path;
+mod petiole;
 mod radii;
 mod rule;
 mod shade;
@@ -261,7 +262,11 @@ pub fn grow(settings: &Settings, seed: u64, limits: &Limits) -> Result<(Tree, Fi
     }
     let skeleton = drawing.skeleton;
     let light = shade::light(&drawing.shoots, settings.shade);
-    let site = |(shoot, light): (&Shoot, &f64)| leaf_site::site(shoot, &skeleton, *light, settings, seed);
+    let petioles = petiole::lengths(&skeleton);
+    let site = |(shoot, light): (&Shoot, &f64)| {
+        let petiole = shoot.segment.map_or(1.0, |number| petioles[number as usize]);
+        leaf_site::site(shoot, &skeleton, (*light, petiole), settings, seed)
+    };
     let sites: Vec<LeafSite> = drawing.shoots.iter().zip(&light).map(site).collect();
     let wood = wood::meshes(&skeleton);
     let places = || skeleton.segments.iter().map(|segment| segment.end).chain(sites.iter().map(|site| site.base));
