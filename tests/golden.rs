@@ -23,6 +23,7 @@ const PICTURES: &[(&str, &str)] = &[
     ("abop-sympodial", "the tree of Aono and Kunii: the same with every apex ending in a fork"),
     ("abop-ternary", "rules on F and `!`, and wood that bends by its weight"),
     ("leaf_backlit", "light through a blade: transmission, veins against the sun"),
+    ("habits", "the built-in rules: a birch, an oak, a ginkgo and a maple without leaves"),
     ("grove", "several trees: places, turns, forms that stand again, the camera that holds all"),
     ("sheet", "a contact sheet: cells, and the numbers of their seeds"),
 ];
