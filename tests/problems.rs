@@ -486,4 +486,12 @@ fn leaves_of_all_trees_are_held_against_the_limit() {
     let Diagnostics(found) = leafseason::run::plan(&scene, &options).unwrap_err();
     assert_eq!(found[0].fault, Fault::Limit);
     assert!(found[0].message.starts_with("trees needs "), "{}", found[0].message);
+    // What the refusal names is enough.
+    let mut limits = Limits::default();
+    limits.set(Limit::Memory, 1e8);
+    let options = |limits| leafseason::run::Options { limits, ..leafseason::run::Options::default() };
+    let Diagnostics(found) = leafseason::run::plan(&scene, &options(limits.clone())).unwrap_err();
+    let flag = found[0].help.rsplit_once("--memory-limit ").unwrap().1.trim_end_matches('M');
+    limits.set(Limit::Memory, flag.parse::<f64>().unwrap() * 1e6);
+    assert!(leafseason::run::plan(&scene, &options(limits)).is_ok());
 }

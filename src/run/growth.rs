@@ -1,9 +1,10 @@
 //! Grows the trees of a scene: each form once, however many trees have it.
 
-use super::fault;
+use super::preparation::KEPT_BYTES;
+use super::{fault, prediction};
 use crate::base::diagnostic::Diagnostics;
 use crate::base::figures::Figures;
-use crate::base::limits::{Limit, Limits};
+use crate::base::limits::{Limit, Limits, Refusal};
 use crate::compose::{Form, Stand};
 use crate::scene::{Scene, Standing};
 use crate::tree::{self, Tree, TreeError};
@@ -20,6 +21,8 @@ pub(super) const SITE_BYTES: f64 = 200.0;
 /// Memory that a leaf of any tree comes to, bytes: id, states, garment, instance and what the rasteriser sorts (measured:
 /// 320 to 400).
 pub(super) const LEAF_BYTES: f64 = 450.0;
+/// How much larger than the forms that have grown the others may be.
+const MARGIN: f64 = 1.2;
 /// Figures of the tree stage that are the largest of any tree; other numbers are summed over all trees.
 const LARGEST: [&str; 3] = ["age_years", "height_m", "max_order"];
 
@@ -55,7 +58,9 @@ pub fn grow(scene: &Scene, limits: &Limits) -> Result<(Stand, Figures), Diagnost
             forms.push(Form::new(species, tree));
             figures.push(of_form);
         }
-        allow(scene, &wanted, &forms, limits)?;
+        if trees.len() > 1 {
+            allow(scene, &wanted, &forms, limits)?;
+        }
     }
     let figures = summed(&wanted, &figures);
     Ok((Stand::new(forms, trees), figures))
@@ -91,10 +96,16 @@ fn allow(scene: &Scene, wanted: &[Wanted], forms: &[Form], limits: &Limits) -> R
     }
     let all = wanted.iter().map(|form| form.trees as f64).sum::<f64>();
     let leaves = (leaves * all / trees.max(1.0)).ceil();
-    let bytes = bytes * wanted.len() as f64 / forms.len().max(1) as f64 + leaves * LEAF_BYTES;
-    let refused = |refusal| fault::refused(&scene.places, "trees", &refusal);
-    limits.allow(Limit::Leaves, "trees", leaves).map_err(refused)?;
-    limits.allow(Limit::Memory, "trees", bytes).map_err(refused)
+    let fixed: f64 = prediction::drawing(scene, leaves as usize, all as usize).iter().map(|(_, bytes)| bytes).sum();
+    let bytes = bytes * wanted.len() as f64 / forms.len().max(1) as f64 + leaves * LEAF_BYTES + fixed;
+    // What leaves wear is not known yet, and other forms may be larger: the limit that a refusal names is enough for both.
+    let refused = |refusal: Refusal, more: f64| {
+        let refusal = Refusal { wanted: (refusal.wanted * MARGIN + more).ceil(), ..refusal };
+        fault::refused(&scene.places, "trees", &refusal)
+    };
+    limits.allow(Limit::Leaves, "trees", leaves).map_err(|refusal| refused(refusal, 0.0))?;
+    let worn = prediction::worn_at_most(scene) + KEPT_BYTES as f64;
+    limits.allow(Limit::Memory, "trees", bytes).map_err(|refusal| refused(refusal, worn))
 }
 
 /// The figures of all trees.

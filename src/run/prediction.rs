@@ -6,11 +6,12 @@ use super::{fault, memory};
 use crate::base::diagnostic::Diagnostics;
 use crate::base::limits::{Limit, Limits};
 use crate::compose::Form;
-use crate::scene::Scene;
 use crate::scene::output::Gltf;
+use crate::scene::{Scene, Species};
+use std::collections::BTreeSet;
 
 /// Bytes by the table of the scene that asks for them.
-type Parts = Vec<(&'static str, f64)>;
+pub type Parts = Vec<(&'static str, f64)>;
 
 /// Most cells of the light volume of a stand, and the memory of one, bytes.
 const CANOPY_CELLS: f64 = 300_000.0;
@@ -28,7 +29,8 @@ const INSTANCE_BYTES: f64 = 100.0;
 /// More than is allowed, or than there is.
 pub fn allow(cells: &[Prepared], states_frames: usize, limits: &Limits) -> Result<(), Diagnostics> {
     let Some(first) = cells.first() else { return Ok(()) };
-    let mut parts = drawing(first);
+    let mut parts = drawing(&first.scene, first.stand.leaf_ids.len(), first.stand.trees.len());
+    parts.push(("output", repeated(first)));
     let sites = cells.iter().map(|cell| cell.stand.leaf_ids.len()).sum::<usize>() as f64;
     parts.push(("output", sites * states_frames as f64 * LINE_BYTES));
     cells.iter().for_each(|cell| parts.extend(kept(cell)));
@@ -46,32 +48,35 @@ fn place(scene: &Scene, table: &str, refusal: &crate::base::limits::Refusal) -> 
     fault::refused(places, table, refusal)
 }
 
-/// What is taken while a frame is drawn. The factors were measured as growth of the peak with each size, and rounded up.
-fn drawing(cell: &Prepared) -> Parts {
-    let scene = &cell.scene;
-    let square = |side: u32| f64::from(side) * f64::from(side);
-    let leaves = cell.stand.leaf_ids.len() as f64;
+/// What is taken while a frame of so many leaves and trees is drawn. The factors were measured as growth of the peak with
+/// each size, and rounded up.
+pub fn drawing(scene: &Scene, leaves: usize, trees: usize) -> Parts {
+    let shadow = f64::from(scene.light.shadow_size) * f64::from(scene.light.shadow_size) * 12.0;
+    let canopy = if trees > 1 { CANOPY_CELLS * CANOPY_BYTES } else { 0.0 };
+    vec![("image", 1.2e8 + scene.image.pixels() * 16.0), ("light", shadow + canopy), ("output", file(scene, leaves))]
+}
+
+/// What the making of a frame's glTF file takes.
+fn file(scene: &Scene, leaves: usize) -> f64 {
     let vertices = scene.species.iter().map(|species| species.leaf.vertices).max().unwrap_or(0);
-    let file = match scene.output.gltf {
-        Some(Gltf::Merged) => leaves * f64::from(vertices) * 120.0,
-        Some(Gltf::Nodes) => leaves * NODE_BYTES,
-        Some(Gltf::Instanced) => leaves * INSTANCE_BYTES,
+    let of_leaf = match scene.output.gltf {
+        Some(Gltf::Merged) => f64::from(vertices) * 120.0,
+        Some(Gltf::Nodes) => NODE_BYTES,
+        Some(Gltf::Instanced) => INSTANCE_BYTES,
         None => 0.0,
     };
-    // A file that later frames repeat is kept until the last of them.
-    let repeated: std::collections::BTreeSet<i64> = cell.plan.frames.iter().filter_map(|frame| frame.same_as).collect();
-    let kept = repeated.len() as f64 * (scene.image.pixels() * 4.0 + file * 0.5);
-    let canopy = if cell.stand.trees.len() > 1 { CANOPY_CELLS * CANOPY_BYTES } else { 0.0 };
-    vec![
-        ("image", 1.2e8 + scene.image.pixels() * 16.0),
-        ("light", square(scene.light.shadow_size) * 12.0 + canopy),
-        ("output", file + kept),
-    ]
+    leaves as f64 * of_leaf
+}
+
+/// Files that later frames repeat are kept until the last of them.
+fn repeated(cell: &Prepared) -> f64 {
+    let repeated: BTreeSet<i64> = cell.plan.frames.iter().filter_map(|frame| frame.same_as).collect();
+    let of_frame = cell.scene.image.pixels() * 4.0 + file(&cell.scene, cell.stand.leaf_ids.len()) * 0.5;
+    repeated.len() as f64 * of_frame
 }
 
 /// What a cell keeps from frame to frame.
 fn kept(cell: &Prepared) -> Parts {
-    let square = |side: u32| f64::from(side) * f64::from(side);
     let Prepared { scene, stand, plan, .. } = cell;
     let forms = stand.forms.iter();
     let wood = forms.clone().map(Form::wood_vertices).sum::<usize>() as f64;
@@ -82,8 +87,23 @@ fn kept(cell: &Prepared) -> Parts {
     for (number, species) in scene.species.iter().enumerate() {
         let garments = plan.garments_of(number);
         let made = |count: u32| crate::plan::items(&garments, count).len() as f64;
-        parts.push(("deform", made(species.deform.shapes) * f64::from(species.leaf.vertices) * 300.0));
-        parts.push(("colour", made(species.colour.variants) * square(species.colour.size) * 70.0));
+        let [shapes, textures] = worn(species, [made(species.deform.shapes), made(species.colour.variants)]);
+        parts.extend([("deform", shapes), ("colour", textures)]);
     }
     parts
+}
+
+/// What so many shapes and textures of a species take.
+fn worn(species: &Species, [shapes, textures]: [f64; 2]) -> [f64; 2] {
+    let size = f64::from(species.colour.size);
+    [shapes * f64::from(species.leaf.vertices) * 300.0, textures * size * size * 70.0]
+}
+
+/// What leaves wear when every state of every species is worn.
+pub fn worn_at_most(scene: &Scene) -> f64 {
+    let of_species = |species: &Species| {
+        let every = |count: u32| species.season.states.len() as f64 * f64::from(count);
+        worn(species, [every(species.deform.shapes), every(species.colour.variants)]).iter().sum::<f64>()
+    };
+    scene.species.iter().map(of_species).sum()
 }

@@ -12,15 +12,15 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 settings! {
-    /// A tree of the scene, or with `count` a grove of one species and age. The scene's own tables ([tree], [leaf], [season],
-    /// [deform], [colour]) hold for all trees; what they leave open each tree takes from its species.
+    /// A tree of the scene, or with `count` a grove of one species and age. The scene's own tables (`[tree]`, `[leaf]`, `[season]`,
+    /// `[deform]`, `[colour]`) hold for all trees; what they leave open each tree takes from its species.
     pub struct Planting {
         /// A built-in species, or the path of a species file; the scene's `species` when absent.
         species: Option<String> = None;
         /// Where the trunk meets the ground: x to the right, z towards the default camera. Of a grove, the middle of its area.
         place: [f64; 2] = [0.0, 0.0], unit "m", range -1e4 => 1e4;
         /// What the tree grows from. When absent it follows from the scene's `seed` and the entry's number; the first tree
-        /// grows from the scene's `seed` itself, as a scene without [[trees]] does.
+        /// grows from the scene's `seed` itself, as a scene without `[[trees]]` does.
         seed: Option<u64> = None, range 0 => u64::MAX;
         /// Turn about the vertical, counter-clockwise seen from above. 0 when absent; trees of a grove are turned by chance.
         turn: Option<f64> = None, unit "°", range -360.0 => 360.0;
