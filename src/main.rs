@@ -198,6 +198,12 @@ fn study_species(arguments: &Study) -> Result<u8, Diagnostics> {
         }
         None => None,
     };
+    let scanned = |scene: &&Scene| scene.species.iter().any(|species| species.assets.contains_key("leaf.picture"));
+    if let Some(scene) = scene.as_ref().filter(scanned) {
+        let what = "the study measures leaves by their outline, and here is a scan";
+        let place = scene.places.of("leaf.picture");
+        return Err(Diagnostic::error(Fault::Scene, what, "trace it first and give leaf.outline").at(place).into());
+    }
     limits.set(Limit::Memory, limits.get(Limit::Memory).min(memory::available(rayon::current_num_threads())));
     let subjects = scene.as_ref().map_or_else(study::trees::built_in, subjects);
     let lines = study::trees::lines(&subjects, &limits, arguments.quick).map_err(|(number, failure)| {
@@ -224,6 +230,7 @@ fn subjects(scene: &Scene) -> Vec<study::trees::Subject> {
     let subject = |species: &scene::Species| {
         let name = species.name.as_deref().unwrap_or(&scene.name);
         let name = Path::new(name).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let name = message::shown(&name, 60);
         study::trees::Subject { name, seed: scene.seed, tree: species.tree.clone(), leaf: species.leaf.clone() }
     };
     scene.species.iter().map(subject).collect()

@@ -28,7 +28,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "plan", "report",
         ],
     ),
-    ("study", &["base", "leaf", "tree", "scene", "species", "run"]),
+    ("study", &["base", "leaf", "tree", "species"]),
     ("cli", &["base", "run"]),
 ];
 

@@ -88,6 +88,7 @@ impl Stream {
 /// A 64-bit hash of two words (the finaliser of SplitMix64, Steele, Lea and Flood 2014), for lattice noise and for ids that
 /// are derived from a parent's id.
 #[must_use]
+#[inline]
 pub fn hash(a: u64, b: u64) -> u64 {
     let mut x = a ^ b.wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(31).wrapping_add(0x2545_F491_4F6C_DD1D);
     for _ in 0..2 {

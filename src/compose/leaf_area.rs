@@ -6,16 +6,7 @@ use crate::tree::LeafSite;
 /// One-sided area of the blades at these sites in full leaf, square metres.
 #[must_use]
 pub fn blade_area(sites: &[LeafSite], blade: &FlatMesh) -> f64 {
-    sites.iter().map(|site| site.scale * site.scale).sum::<f64>() * area(blade)
-}
-
-/// Area of a flat blade, square metres.
-fn area(blade: &FlatMesh) -> f64 {
-    let twice = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(|v| blade.positions[v as usize]);
-        (b - a).perp(&(c - a))
-    };
-    blade.triangles.iter().map(twice).sum::<f64>() * 0.5
+    sites.iter().map(|site| site.scale * site.scale).sum::<f64>() * blade.area()
 }
 
 #[cfg(test)]

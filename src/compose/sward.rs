@@ -39,6 +39,9 @@ pub(super) fn palette() -> Texture {
 /// Least distance between the middles of two swards, metres: nearer trees share one, whose blades reach all of their feet.
 const APART: f64 = 4.0;
 
+/// Most swards of a scene: each is some ten thousand blades.
+const MOST: usize = 400;
+
 /// Where swards lie about trees at these places (x, z): each at a tree's foot, turned so that none looks like the last.
 pub(super) fn places(trees: &[[f64; 2]]) -> Vec<Affine> {
     let mut taken: Vec<[f64; 2]> = Vec::new();
@@ -46,6 +49,9 @@ pub(super) fn places(trees: &[[f64; 2]]) -> Vec<Affine> {
         let is_apart = |other: &[f64; 2]| libm::hypot(tree[0] - other[0], tree[1] - other[1]) >= APART;
         if taken.iter().all(is_apart) {
             taken.push(tree);
+        }
+        if taken.len() == MOST {
+            break;
         }
     }
     let place = |(number, [x, z]): (usize, [f64; 2])| {

@@ -5,7 +5,7 @@ use super::preparation::{KEPT_BYTES, Prepared, STATE_BYTES};
 use super::{fault, memory};
 use crate::base::diagnostic::Diagnostics;
 use crate::base::limits::{Limit, Limits};
-use crate::compose::Form;
+use crate::compose::{Form, Stand};
 use crate::scene::output::Gltf;
 use crate::scene::{Scene, Species};
 use std::collections::BTreeSet;
@@ -75,13 +75,18 @@ fn repeated(cell: &Prepared) -> f64 {
     repeated.len() as f64 * of_frame
 }
 
-/// What a cell keeps from frame to frame.
-fn kept(cell: &Prepared) -> Parts {
-    let Prepared { scene, stand, plan, .. } = cell;
+/// What grown trees take.
+pub fn stand(stand: &Stand) -> f64 {
     let forms = stand.forms.iter();
     let wood = forms.clone().map(Form::wood_vertices).sum::<usize>() as f64;
     let sites = forms.map(|form| form.sites.len()).sum::<usize>() as f64;
-    let mut parts = vec![("tree", wood * WOOD_BYTES + sites * SITE_BYTES + stand.leaf_ids.len() as f64 * LEAF_BYTES)];
+    wood * WOOD_BYTES + sites * SITE_BYTES + stand.leaf_ids.len() as f64 * LEAF_BYTES
+}
+
+/// What a cell keeps from frame to frame.
+fn kept(cell: &Prepared) -> Parts {
+    let Prepared { scene, stand, plan, .. } = cell;
+    let mut parts = vec![("tree", self::stand(stand))];
     let states = plan.frames.len() as f64 * (stand.leaf_ids.len() * STATE_BYTES) as f64;
     parts.push(("time", states.min(KEPT_BYTES as f64)));
     for (number, species) in scene.species.iter().enumerate() {

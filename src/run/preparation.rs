@@ -1,12 +1,13 @@
 //! What comes before anything costly: the trees, the states of their leaves in every frame, and the plan that follows.
 
+use super::fault;
 use super::growth;
 use super::leaf_states;
 use super::prediction;
 use super::stopwatch::timed;
 use crate::base::diagnostic::Diagnostics;
 use crate::base::figures::Figures;
-use crate::base::limits::Limits;
+use crate::base::limits::{Limit, Limits};
 use crate::base::random::hash;
 use crate::compose::{Garment, Stand};
 use crate::plan::{self, Counted, Plan, Roll};
@@ -54,10 +55,18 @@ pub struct Asked<'a> {
 /// # Errors
 /// What the trees' rules or the limits refuse.
 pub fn prepare(cells: Vec<Scene>, asked: &Asked<'_>, report: &mut Report) -> Result<Vec<Prepared>, Diagnostics> {
-    let mut prepared = Vec::new();
+    let mut prepared: Vec<Prepared> = Vec::new();
     let mut counts: Vec<Vec<Counted>> = Vec::new();
+    let count = cells.len();
     for scene in cells {
         let (stand, states, kept) = grown(&scene, asked.limits, report)?;
+        if count > 1 {
+            // The cells of a sheet are alike: what has grown so far tells what all will take.
+            let so_far = prepared.iter().map(|one| &one.stand).chain([&stand]).map(prediction::stand).sum::<f64>();
+            let all = so_far * count as f64 / (prepared.len() + 1) as f64;
+            let allowed = asked.limits.allow(Limit::Memory, "the sheet", all);
+            allowed.map_err(|refusal| fault::refused(&scene.places, "seeds", &refusal))?;
+        }
         let mut one = Prepared { scene, stand, states, plan: Plan::default(), kept };
         let frames = asked.frames.iter().take_while(|_| !(asked.stop)());
         counts.push(frames.map(|&index| one.count(index, report)).collect());

@@ -64,7 +64,8 @@ pub fn csv(lines: &[Line]) -> String {
     for line in lines {
         let value = line.value.map_or_else(String::new, |value| value.to_string());
         let ([low, high], [least, most]) = (line.asked, line.passes);
-        let (subject, name, standing, met) = (&line.subject, &line.figure, line.standing, line.is_met());
+        let subject = format!("\"{}\"", line.subject.replace('"', "\"\""));
+        let (name, standing, met) = (&line.figure, line.standing, line.is_met());
         text.push_str(&format!("{subject},{name},{value},{standing},{low},{high},{least},{most},{met}\n"));
     }
     text

@@ -7,8 +7,10 @@ use crate::tree::{Settings, Tree};
 use std::f64::consts::{PI, TAU};
 use tiny_skia::{FillRule, Mask, Path, PathBuilder, Transform};
 
-/// Pixels of the tree's height: at 10 m a leaf of a maple is 8 of them.
-const HEIGHT: u32 = 900;
+/// Pixels of the tree's height or width: at 10 m a leaf of a maple is 8 of them.
+const SIZE: u32 = 1000;
+/// Room for leaves beyond the wood's ends, metres.
+const MARGIN: f64 = 0.3;
 /// Bays narrower than twice this lie inside the outline, metres: about the size of a spray of leaves, so that the outline
 /// follows the clumps of the crown and the gaps inside it are what the eye calls sky holes.
 const CLOSING: f64 = 0.12;
@@ -27,8 +29,8 @@ pub struct Silhouette {
 /// Looks at the tree along -z, in parallel projection. Leaves are ellipses of their blade's length and area at the end of
 /// their petioles. With `leaves` off it is the tree in winter.
 #[must_use]
-pub fn silhouette(tree: &Tree, blade: &FlatMesh, settings: &Settings, leaves: bool) -> Silhouette {
-    let (mask, metres) = draw(tree, blade, settings, leaves);
+pub fn silhouette(tree: &Tree, blade: &FlatMesh, settings: &Settings) -> Silhouette {
+    let (mask, metres) = draw(tree, blade, settings);
     let covered = Grid { width: mask.width() as usize, inside: mask.data().iter().map(|&a| a > 127).collect() };
     let outline = covered.closed(CLOSING / metres).largest().filled();
     let drawn = covered.inside.iter().zip(&outline.inside).filter(|(drawn, inside)| **drawn && **inside).count();
@@ -37,11 +39,13 @@ pub fn silhouette(tree: &Tree, blade: &FlatMesh, settings: &Settings, leaves: bo
 }
 
 /// The covered pixels, and metres a pixel.
-fn draw(tree: &Tree, blade: &FlatMesh, settings: &Settings, leaves: bool) -> (Mask, f64) {
-    let metres = tree.height.max(0.01) / f64::from(HEIGHT);
+fn draw(tree: &Tree, blade: &FlatMesh, settings: &Settings) -> (Mask, f64) {
+    let reach = tree.crown_radius + MARGIN;
+    let metres = (tree.height + MARGIN).max(2.0 * reach) / f64::from(SIZE);
     let margin = (CLOSING / metres).ceil() as u32 + 2;
-    let half = (tree.crown_radius + 0.3) / metres;
-    let (width, height) = (2 * half.ceil() as u32 + 2 * margin, HEIGHT + 2 * margin + (0.3 / metres) as u32);
+    let half = reach / metres;
+    let high = (tree.height + MARGIN) / metres;
+    let (width, height) = (2 * half.ceil() as u32 + 2 * margin, high.ceil() as u32 + 2 * margin);
     let mut mask = Mask::new(width, height).unwrap_or_else(|| unreachable!("the picture has a size"));
     let middle = f64::from(width) * 0.5;
     let foot = f64::from(height - margin);
@@ -51,22 +55,20 @@ fn draw(tree: &Tree, blade: &FlatMesh, settings: &Settings, leaves: bool) -> (Ma
         let (a, b) = (project(segment.start), project(segment.end));
         shapes.push(bar(a, b, segment.radius / metres));
     }
-    if leaves {
-        let length = blade.positions.iter().map(|p| p.y).fold(0.0, f64::max);
-        let breadth = blade.area() / (PI * 0.25 * length.max(1e-6));
-        let (upward, forward) = sincos(settings.petiole_angle.to_radians());
-        for site in &tree.sites {
-            let along = site.blade * (0.5 * length * site.scale);
-            let across = site.blade.cross(&site.normal) * (0.5 * breadth * site.scale);
-            let joint = site.base
-                + (site.blade * forward + site.normal * upward)
-                    * (settings.petiole * 1e-3 * site.scale * site.petiole_length);
-            let corner = |n: usize| {
-                let angle = TAU * n as f64 / 8.0;
-                project(joint + along + along * cos(angle) + across * sin(angle))
-            };
-            shapes.push((0..8).map(corner).collect());
-        }
+    let length = blade.positions.iter().map(|p| p.y).fold(0.0, f64::max);
+    let breadth = blade.area() / (PI * 0.25 * length.max(1e-6));
+    let (upward, forward) = sincos(settings.petiole_angle.to_radians());
+    for site in &tree.sites {
+        let along = site.blade * (0.5 * length * site.scale);
+        let across = site.blade.cross(&site.normal) * (0.5 * breadth * site.scale);
+        let joint = site.base
+            + (site.blade * forward + site.normal * upward)
+                * (settings.petiole * 1e-3 * site.scale * site.petiole_length);
+        let corner = |n: usize| {
+            let angle = TAU * n as f64 / 8.0;
+            project(joint + along + along * cos(angle) + across * sin(angle))
+        };
+        shapes.push((0..8).map(corner).collect());
     }
     for batch in shapes.chunks(BATCH) {
         if let Some(path) = path(batch) {
@@ -121,32 +123,36 @@ impl Grid {
 
     /// The same without holes: what cannot be reached from the border is inside.
     fn filled(&self) -> Grid {
-        let outside = self.reached(&[0], false);
+        // The border is left free when the tree is drawn.
+        let mut outside = vec![false; self.inside.len()];
+        self.part(0, &mut outside);
         Grid { width: self.width, inside: outside.iter().map(|&outside| !outside).collect() }
     }
 
     /// The largest connected part.
     fn largest(&self) -> Grid {
-        let mut left = self.clone();
-        let mut best = Grid { width: self.width, inside: vec![false; self.inside.len()] };
-        let mut most = 0;
-        while let Some(start) = left.inside.iter().position(|&inside| inside) {
-            let part = left.reached(&[start], true);
-            let count = part.iter().filter(|&&inside| inside).count();
-            left.inside.iter_mut().zip(&part).for_each(|(left, &taken)| *left &= !taken);
-            if count > most {
-                (most, best.inside) = (count, part);
+        let mut reached = vec![false; self.inside.len()];
+        let mut best = Vec::new();
+        for start in 0..self.inside.len() {
+            if self.inside[start] && !reached[start] {
+                let part = self.part(start, &mut reached);
+                if part.len() > best.len() {
+                    best = part;
+                }
             }
         }
-        best
+        let mut inside = vec![false; self.inside.len()];
+        best.into_iter().for_each(|pixel| inside[pixel] = true);
+        Grid { width: self.width, inside }
     }
 
-    /// All pixels of a `kind` that four-neighbour steps reach from the start.
-    fn reached(&self, start: &[usize], kind: bool) -> Vec<bool> {
-        let mut reached = vec![false; self.inside.len()];
-        let mut open: Vec<usize> = start.iter().copied().filter(|&pixel| self.inside[pixel] == kind).collect();
-        open.iter().for_each(|&pixel| reached[pixel] = true);
-        while let Some(pixel) = open.pop() {
+    /// The pixels of the start's kind that four-neighbour steps reach from it; they are marked.
+    fn part(&self, start: usize, reached: &mut [bool]) -> Vec<usize> {
+        let mut part = vec![start];
+        reached[start] = true;
+        let mut next = 0;
+        while let Some(&pixel) = part.get(next) {
+            next += 1;
             let column = pixel % self.width;
             let neighbours = [
                 (column > 0).then(|| pixel - 1),
@@ -155,13 +161,13 @@ impl Grid {
                 (pixel + self.width < self.inside.len()).then(|| pixel + self.width),
             ];
             for next in neighbours.into_iter().flatten() {
-                if self.inside[next] == kind && !reached[next] {
+                if self.inside[next] == self.inside[start] && !reached[next] {
                     reached[next] = true;
-                    open.push(next);
+                    part.push(next);
                 }
             }
         }
-        reached
+        part
     }
 
     /// Length of the border, pixels: by Crofton's formula from the crossings of rows, columns and both diagonals, which has

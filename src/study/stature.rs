@@ -71,7 +71,7 @@ pub fn stature(tree: &Tree, blade: &FlatMesh, settings: &Settings) -> BTreeMap<&
     note("radius_exponent", Some(settings.radius_exponent));
     let old_wood = tree.sites.iter().filter(|site| segment(tree, site.segment).is_none_or(|s| s.birth < tree.youngest));
     note("leaves_on_old_wood", Some(old_wood.count() as f64));
-    let summer = silhouette(tree, blade, settings, true);
+    let summer = silhouette(tree, blade, settings);
     note("sky_percent", Some(summer.sky * 100.0));
     note("lumpiness", Some(summer.lumpiness));
     figures

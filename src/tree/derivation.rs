@@ -4,7 +4,7 @@
 //! Every module has an identity, the hash of its parent's identity and its key among its siblings. It does not depend on
 //! where the module stands in the string or on how many steps follow, so a leaf keeps its id when the tree grows older.
 
-use super::context;
+use super::context::Neighbours;
 use super::draws::Draws;
 use super::expression::{Program, Scope};
 use super::grammar::Grammar;
@@ -59,6 +59,8 @@ struct Rewriter<'a> {
     open: Vec<Open>,
     /// Depth below the branch that `%` cut off, while it is being left out.
     cut: Option<usize>,
+    /// Neighbours in the last string, when any rule looks at them.
+    neighbours: Neighbours,
     /// Where the neighbours stand that the rule at hand looks at, and all parameters that it may read.
     places: Vec<usize>,
     seen: Vec<f64>,
@@ -86,6 +88,7 @@ impl<'a> Rewriter<'a> {
             last: Vec::new(),
             open: Vec::new(),
             cut: None,
+            neighbours: Neighbours::default(),
             places: Vec::new(),
             seen: Vec::new(),
             inert: std::array::from_fn(inert),
@@ -103,6 +106,9 @@ impl<'a> Rewriter<'a> {
         (self.step, self.steps, self.cut) = (step, steps, None);
         self.open.clear();
         self.room = 0;
+        if self.grammar.rules.iter().any(Rule::looks) {
+            self.neighbours.find(&last, &self.grammar.ignored);
+        }
         for (index, module) in last.iter().enumerate() {
             if self.inert[usize::from(module.letter)] && self.cut.is_none() && self.next.list.len() < self.room {
                 self.keep_inert(module);
@@ -174,7 +180,7 @@ impl<'a> Rewriter<'a> {
 
     /// Whether the module has the neighbours that the rule names; their parameters are ready for its programs then.
     fn look(&mut self, rule: &Rule, last: &[Module], index: usize) -> bool {
-        if !context::found(rule, last, index, &self.grammar.ignored, &mut self.places) {
+        if !self.neighbours.found(rule, last, index, &mut self.places) {
             return false;
         }
         self.seen.clear();
@@ -209,18 +215,21 @@ impl<'a> Rewriter<'a> {
             return Ok(());
         }
         let id = hash(module.map_or(0, |module| module.id), template.key);
+        // Wood that a rule only lengthens or thickens stays as old as it was.
+        let same = module.filter(|module| module.letter == b'F' && template.letter == b'F');
+        let birth = same.map_or(self.step, |module| module.birth);
         match &template.parameters[..] {
-            [] => self.next.push(template.letter, id, self.step, &[]),
+            [] => self.next.push(template.letter, id, birth, &[]),
             [parameter] => {
                 let value = self.evaluate(parameter, rule, module)?;
-                self.next.push(template.letter, id, self.step, &[value]);
+                self.next.push(template.letter, id, birth, &[value]);
             }
             parameters => {
                 let mut values = [0.0; PARAMETER_LIMIT];
                 for (value, parameter) in values.iter_mut().zip(parameters) {
                     *value = self.evaluate(parameter, rule, module)?;
                 }
-                self.next.push(template.letter, id, self.step, &values[..parameters.len()]);
+                self.next.push(template.letter, id, birth, &values[..parameters.len()]);
             }
         }
         self.leave(template.letter);

@@ -8,6 +8,10 @@ use crate::base::limits::Limits;
 
 /// Nothing is grown for longer, years.
 const LONGEST: u32 = 200;
+/// Least age that a tree is asked for, years.
+const YOUNGEST: f64 = 0.01;
+/// How far a tree may be above the height asked for, metres.
+const TOLERANCE: f64 = 0.005;
 /// Halvings of the last year: to a millimetre for any shoot of less than four metres.
 const HALVINGS: u32 = 12;
 
@@ -23,6 +27,7 @@ pub(super) fn age(
     let grown = |years: u32| -> Result<(f64, Modules), TreeError> {
         let settings = aged(f64::from(years));
         let modules = derive(grammar, &settings, seed, limits)?;
+        super::allow(&modules, limits)?;
         Ok((highest(&modules, &settings)?, modules))
     };
     // Doubling first: growth costs more the longer it goes on.
@@ -53,7 +58,11 @@ pub(super) fn age(
         let middle = low.midpoint(high);
         if highest(&last, &aged(middle))? >= height { high = middle } else { low = middle }
     }
-    Ok(high)
+    let met = highest(&last, &aged(high))?;
+    if met > height + TOLERANCE {
+        return Err(TreeError::Height { metres: height, reached: met, years: old });
+    }
+    Ok(high.max(YOUNGEST))
 }
 
 /// The highest point of the wood, metres.
@@ -89,6 +98,25 @@ mod tests {
         let settings = Settings { rules, height: Some(2.5), ..shoots() };
         let error = grow(&settings, 1, &Limits::default()).unwrap_err();
         assert!(matches!(error, TreeError::Height { years: LONGEST, .. }));
+    }
+
+    #[test]
+    fn a_tree_that_begins_too_high_is_an_error() {
+        let rules = vec!["A -> F(0.3)A".to_owned()];
+        let settings = Settings { axiom: "F(2)A".to_owned(), rules, height: Some(1.0), ..Settings::default() };
+        assert!(matches!(grow(&settings, 1, &Limits::default()), Err(TreeError::Height { .. })));
+    }
+
+    #[test]
+    fn wood_that_rules_only_lengthen_is_not_of_this_year() {
+        let rules = vec!["F(l) -> F(l*1.5)".to_owned(), "A -> F(1)A".to_owned()];
+        let top = |age| {
+            let settings =
+                Settings { axiom: "A".to_owned(), rules: rules.clone(), age: Some(age), ..Settings::default() };
+            grow(&settings, 1, &Limits::default()).unwrap().0.height
+        };
+        // 1 + 1.5 + 2.25 m, of which the newest metre has grown by half.
+        assert!((top(3.0) - 4.75).abs() < 1e-12 && (top(2.5) - 4.25).abs() < 1e-12);
     }
 
     #[test]

@@ -52,6 +52,7 @@ use crate::base::limits::{Limit, Limits, Refusal};
 use crate::base::settings::Complaint;
 use crate::{choice, settings};
 use grammar::Grammar;
+use modules::Modules;
 use skeleton::Shoot;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -81,8 +82,8 @@ choice! {
 settings! {
     /// The tree's growth. With an L-system of its own a scene needs no species.
     pub struct Settings {
-        /// Age; a derivation step is a year. Of a year that is not over, shoots and leaves have grown by its share: 14.5 is the
-        /// tree of 15 years half-way through its last spring.
+        /// Age; a derivation step is a year. Of a year that is not over, shoots have grown by its share: 14.5 is the tree of 15
+        /// years half-way through its last year's growth. Leaves are whole: their age is the season's.
         age: Option<f64> = None, unit "years", range 0.01 => 200.0;
         /// Height to grow to, in place of an age; the age follows.
         height: Option<f64> = None, unit "m", range 0.05 => 150.0;
@@ -95,7 +96,7 @@ settings! {
         ignored: String = "+-&^\\/|$!{}".to_owned();
         /// Named numbers that rules may use.
         constants: BTreeMap<String, f64> = BTreeMap::new(), range -1e9 => 1e9;
-        /// Derivation steps; `age` wins.
+        /// Derivation steps; `age` and `height` win.
         iterations: u32 = 10, range 0 => 200;
         /// The angle of turns without an argument.
         angle: f64 = 25.0, unit "°", range -360.0 => 360.0;
@@ -210,7 +211,7 @@ pub enum TreeError {
     #[error("the tree grows more than 100 km from its root")]
     Far,
     /// The height asked for is never reached.
-    #[error("the tree is {reached:.2} m high after {years} years and never {metres} m")]
+    #[error("the tree is never {metres} m high: {reached:.2} m after {years} years")]
     Height {
         /// The height asked for, metres.
         metres: f64,
@@ -227,7 +228,12 @@ pub enum TreeError {
 /// Everything that is wrong with the rules, at once.
 #[must_use]
 pub fn check(settings: &Settings) -> Vec<Complaint> {
-    Grammar::new(settings).err().unwrap_or_default()
+    let mut complaints = Grammar::new(settings).err().unwrap_or_default();
+    if settings.age.is_some() && settings.height.is_some() {
+        let what = "a tree has an age or a height, not both";
+        complaints.push(Complaint::new("height", what, "take `age` or `height` away"));
+    }
+    complaints
 }
 
 /// Grows a tree.
@@ -248,9 +254,7 @@ pub fn grow(settings: &Settings, seed: u64, limits: &Limits) -> Result<(Tree, Fi
         growth::allow(&grammar, settings.steps(), limits)?;
     }
     let modules = derivation::derive(&grammar, settings, seed, limits)?;
-    let (leaves, lengths) = (modules.count(b'L') as f64, modules.count(b'F') as f64);
-    limits.allow(Limit::Leaves, "tree.rules", leaves)?;
-    limits.allow(Limit::Memory, "tree.rules", lengths * LENGTH_BYTES + leaves * LEAF_BYTES)?;
+    allow(&modules, limits)?;
     let mut drawing = turtle::draw(&modules, settings, settings.last_year())?;
     let symbols = modules.list.len();
     drop(modules);
@@ -284,6 +288,13 @@ pub fn grow(settings: &Settings, seed: u64, limits: &Limits) -> Result<(Tree, Fi
         .with("triangles", wood.iter().map(|wood| wood.mesh.triangles.len() as u64).sum::<u64>());
     let youngest = settings.steps();
     Ok((Tree { wood, sites, skeleton, height, crown_radius, crown_projection, youngest }, figures))
+}
+
+/// Holds what a string will be drawn to against the limits.
+fn allow(modules: &Modules, limits: &Limits) -> Result<(), Refusal> {
+    let (leaves, lengths) = (modules.count(b'L') as f64, modules.count(b'F') as f64);
+    limits.allow(Limit::Leaves, "tree.rules", leaves)?;
+    limits.allow(Limit::Memory, "tree.rules", lengths * LENGTH_BYTES + leaves * LEAF_BYTES)
 }
 
 /// Area of the ground below the crown, square metres: the outline of the leaves in 36 sectors about their middle, each as

@@ -146,7 +146,8 @@ fn back((sine, cosine): (f64, f64)) -> (f64, f64) {
     (-sine, cosine)
 }
 
-/// Follows the string. What the last step wrote is drawn to the share `last_year` of its size.
+/// Follows the string. Wood that the last step wrote is drawn to the share `last_year` of its length; how large leaves are is
+/// for the season to say.
 pub(super) fn draw(modules: &Modules, settings: &Settings, last_year: f64) -> Result<Drawing, TreeError> {
     let mut drawing = Drawing::default();
     redraw(&mut drawing, modules, settings, last_year)?;
@@ -189,8 +190,7 @@ pub(super) fn redraw(
                 if !(0.0..=LARGEST_LEAF).contains(&scale) {
                     return Err(TreeError::Leaf { scale });
                 }
-                let grown = if module.birth == youngest { last_year } else { 1.0 };
-                drawing.shoots.push(shoot(&state, module.id, scale * grown));
+                drawing.shoots.push(shoot(&state, module.id, scale));
             }
             b'+' => state.yaw(angles.turn(degrees)),
             b'-' => state.yaw(back(angles.turn(degrees))),
