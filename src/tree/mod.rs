@@ -211,7 +211,7 @@ pub enum TreeError {
     #[error("the tree grows more than 100 km from its root")]
     Far,
     /// The height asked for is never reached.
-    #[error("the tree is never {metres} m high: {reached:.2} m after {years} years")]
+    #[error("the tree does not grow to {metres} m: it is {reached:.2} m high after {years} years")]
     Height {
         /// The height asked for, metres.
         metres: f64,
