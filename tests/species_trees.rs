@@ -1,6 +1,7 @@
 //! The built-in species as trees: what a flora says of them holds at every age, and their wood and leaves hang together.
 
 use leafseason::base::limits::Limits;
+use leafseason::base::maths::pow;
 use leafseason::base::vector::DVec3;
 use leafseason::study::trees::{Subject, built_in, lines};
 use leafseason::tree::{Segment, Settings, Tree, grow};
@@ -33,8 +34,8 @@ fn radii_follow_the_pipe_model_and_never_grow_along_a_branch() {
         for (segment, children) in segments.iter().zip(tree.skeleton.children()) {
             let radii = || children.iter().map(|&child| segments[child as usize].radius);
             assert!(radii().all(|radius| radius <= segment.radius), "{}", subject.name);
-            let sum: f64 = radii().map(|radius| radius.powf(exponent)).sum();
-            let own = segment.radius.powf(exponent);
+            let sum: f64 = radii().map(|radius| pow(radius, exponent)).sum();
+            let own = pow(segment.radius, exponent);
             assert!(children.is_empty() || (sum / own - 1.0).abs() < 1e-9, "{}: {sum} {own}", subject.name);
         }
     }

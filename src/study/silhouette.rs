@@ -196,7 +196,9 @@ impl Grid {
         let mut hull: Vec<(f64, f64)> = half_hull(points.iter());
         hull.pop();
         hull.extend(half_hull(points.iter().rev()));
-        hull.windows(2).map(|w| ((w[1].0 - w[0].0).powi(2) + (w[1].1 - w[0].1).powi(2)).sqrt()).sum()
+        let length =
+            |(ax, ay): (f64, f64), (bx, by): (f64, f64)| ((bx - ax) * (bx - ax) + (by - ay) * (by - ay)).sqrt();
+        hull.windows(2).map(|pair| length(pair[0], pair[1])).sum()
     }
 }
 
