@@ -53,8 +53,8 @@ pub fn stature(tree: &Tree, blade: &FlatMesh, settings: &Settings) -> BTreeMap<&
     note("inclination_deg", mean(tree.sites.iter().map(|site| inclination(site.normal))));
     note("size_cv", variation(tree));
     let shoots = current_shoots(tree);
-    let long = || shoots.iter().filter(|shoot| shoot.length >= SHORT_SHOOT && shoot.leaves > 0);
-    let short = || shoots.iter().filter(|shoot| shoot.length < SHORT_SHOOT && shoot.leaves > 0);
+    let long = || shoots.values().filter(|shoot| shoot.length >= SHORT_SHOOT && shoot.leaves > 0);
+    let short = || shoots.values().filter(|shoot| shoot.length < SHORT_SHOOT && shoot.leaves > 0);
     let side = || long().filter(|shoot| shoot.order >= 2);
     let leaves_of = |shoot: &Shoot| f64::from(shoot.leaves);
     note("leaves_a_shoot", mean(long().map(leaves_of)));
@@ -64,7 +64,7 @@ pub fn stature(tree: &Tree, blade: &FlatMesh, settings: &Settings) -> BTreeMap<&
         side().map(|shoot| shoot.length).sum::<f64>() / side().map(|shoot| f64::from(shoot.segments)).sum::<f64>();
     note("internode_cm", Some(internode * 100.0));
     note("blade_over_internode", Some(length / (internode * 100.0)));
-    note("leaves_a_node", leaves_a_node(tree));
+    note("leaves_a_node", leaves_a_node(tree, &shoots));
     note("orders", Some(f64::from(orders(tree))));
     note("limb_deg", limb_angle(tree));
     note("twig_mm", mean(tips(tree).map(|segment| segment.radius * 2000.0)));
@@ -100,7 +100,7 @@ fn trunk_diameter(tree: &Tree) -> Option<f64> {
 }
 
 /// The shoots of the last year, by axis.
-fn current_shoots(tree: &Tree) -> Vec<Shoot> {
+fn current_shoots(tree: &Tree) -> BTreeMap<u32, Shoot> {
     let mut shoots: BTreeMap<u32, Shoot> = BTreeMap::new();
     for segment in tree.skeleton.segments.iter().filter(|segment| segment.birth == tree.youngest) {
         let shoot = shoots.entry(segment.axis).or_default();
@@ -113,19 +113,15 @@ fn current_shoots(tree: &Tree) -> Vec<Shoot> {
             shoots.entry(axis).or_default().leaves += 1;
         }
     }
-    shoots.into_values().collect()
+    shoots
 }
 
 /// Leaves at one height of a long shoot: 2 where they are opposite, 1 where they alternate.
-fn leaves_a_node(tree: &Tree) -> Option<f64> {
-    let mut lengths: BTreeMap<u32, f64> = BTreeMap::new();
-    for segment in tree.skeleton.segments.iter().filter(|segment| segment.birth == tree.youngest) {
-        *lengths.entry(segment.axis).or_default() += segment.length();
-    }
+fn leaves_a_node(tree: &Tree, shoots: &BTreeMap<u32, Shoot>) -> Option<f64> {
     let mut nodes: BTreeMap<u32, u32> = BTreeMap::new();
     for number in tree.sites.iter().filter_map(|site| site.segment) {
         let axis = tree.skeleton.segments[number as usize].axis;
-        if lengths.get(&axis).is_some_and(|&length| length >= SHORT_SHOOT) {
+        if shoots.get(&axis).is_some_and(|shoot| shoot.length >= SHORT_SHOOT) {
             *nodes.entry(number).or_default() += 1;
         }
     }

@@ -70,7 +70,7 @@ pub(super) fn age(
 
 /// The highest point of the wood, metres.
 fn highest(modules: &Modules, settings: &Settings) -> Result<f64, TreeError> {
-    let drawing = turtle::draw(modules, settings, settings.last_year())?;
+    let drawing = turtle::draw(modules, settings)?;
     Ok(drawing.skeleton.segments.iter().map(|segment| segment.end.y).fold(0.0, f64::max))
 }
 

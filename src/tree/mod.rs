@@ -255,14 +255,14 @@ pub fn grow(settings: &Settings, seed: u64, limits: &Limits) -> Result<(Tree, Fi
     }
     let modules = derivation::derive(&grammar, settings, seed, limits)?;
     allow(&modules, limits)?;
-    let mut drawing = turtle::draw(&modules, settings, settings.last_year())?;
+    let mut drawing = turtle::draw(&modules, settings)?;
     let symbols = modules.list.len();
     drop(modules);
     let least = settings.twig_diameter * 0.0005;
     if drawing.widths {
         radii::as_set(&mut drawing.skeleton, least);
     } else {
-        radii::pipe_model(&mut drawing.skeleton, settings.radius_exponent, least, settings);
+        radii::pipe_model(&mut drawing.skeleton, least, settings);
     }
     let skeleton = drawing.skeleton;
     let light = shade::light(&drawing.shoots, settings.shade);

@@ -7,7 +7,8 @@ use crate::base::maths::pow;
 
 /// Sets every radius by the pipe model; tips have `tip` (metres). Shoots of a last year that is not over count by their share
 /// of it, so that wood thickens steadily.
-pub(super) fn pipe_model(skeleton: &mut Skeleton, exponent: f64, tip: f64, settings: &Settings) {
+pub(super) fn pipe_model(skeleton: &mut Skeleton, tip: f64, settings: &Settings) {
+    let exponent = settings.radius_exponent;
     let (youngest, last_year) = (settings.steps(), settings.last_year());
     let mut sums = vec![0.0f64; skeleton.segments.len()];
     let unit = pow(tip, exponent);

@@ -146,15 +146,15 @@ fn back((sine, cosine): (f64, f64)) -> (f64, f64) {
     (-sine, cosine)
 }
 
-/// Follows the string. Wood that the last step wrote is drawn to the share `last_year` of its length; how large leaves are is
-/// for the season to say.
-pub(super) fn draw(modules: &Modules, settings: &Settings, last_year: f64) -> Result<Drawing, TreeError> {
+/// Follows the string. Wood that the last step wrote is drawn as far as the last year has come; how large leaves are is for
+/// the season to say.
+pub(super) fn draw(modules: &Modules, settings: &Settings) -> Result<Drawing, TreeError> {
     let mut drawing = Drawing::default();
-    redraw(&mut drawing, modules, settings, last_year)?;
+    redraw(&mut drawing, modules, settings, settings.last_year())?;
     Ok(drawing)
 }
 
-/// As [`draw`], in the place of what was drawn before.
+/// As [`draw`], in the place of what was drawn before, and with the wood of the last step at `last_year` of its length.
 pub(super) fn redraw(
     drawing: &mut Drawing,
     modules: &Modules,
