@@ -195,16 +195,16 @@ impl Plan {
         self.garments.iter().copied().filter(|garment| usize::from(garment.species) == species).collect()
     }
 
-    /// The plans of a contact sheet's cells as one, each job told with its seed; what every cell leaves out is told once.
+    /// The plans of a contact sheet's cells as one, each job told with its cell; what every cell leaves out is told once.
     #[must_use]
-    pub fn of_sheet(cells: &[(u64, Self)]) -> Self {
+    pub fn of_sheet(cells: &[(String, Self)]) -> Self {
         let mut sheet = Self::default();
-        for (seed, plan) in cells {
-            let of_seed = |what: &str| format!("{what} (seed {seed})").trim_start().to_owned();
-            sheet.jobs.extend(plan.jobs.iter().map(|job| Job { name: of_seed(&job.name), ..job.clone() }));
+        for (cell, plan) in cells {
+            let of_cell = |what: &str| format!("{what} ({cell})").trim_start().to_owned();
+            sheet.jobs.extend(plan.jobs.iter().map(|job| Job { name: of_cell(&job.name), ..job.clone() }));
             for left in &plan.left_out {
                 if !cells.iter().all(|(_, other)| other.left_out.contains(left)) {
-                    sheet.left_out.push(LeftOut { what: of_seed(&left.what), ..left.clone() });
+                    sheet.left_out.push(LeftOut { what: of_cell(&left.what), ..left.clone() });
                 } else if !sheet.left_out.contains(left) {
                     sheet.left_out.push(left.clone());
                 }

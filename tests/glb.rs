@@ -41,6 +41,7 @@ fn material(name: &str, reflected: u32, transmitted: Option<u32>, transmission: 
         gloss: 0.04,
         roughness: 0.6,
         two_sided: transmitted.is_some(),
+        unlit: false,
     }
 }
 
@@ -94,7 +95,7 @@ fn frame() -> Frame {
         sun: Sun { direction: Vec3::y(), irradiance: [1.0; 3] },
         sky: Sky { zenith: [0.2; 3], horizon: [0.5; 3] },
         ground: Some(Ground { texture: 3, tile: 1.0, haze: 50.0, ..Ground::default() }),
-        view: View { width: 8, height: 8, samples: 1, shadow_size: 0, exposure: 1.0, tone_map: ToneMap::None },
+        view: View { width: 8, height: 8, samples: 1, shadow_size: 0, exposure: 1.0, tone_map: ToneMap::None, wireframe: None },
     }
 }
 

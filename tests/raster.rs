@@ -36,6 +36,7 @@ fn leaf() -> Material {
         gloss: 0.0,
         roughness: 0.5,
         two_sided: true,
+        unlit: false,
     }
 }
 
@@ -64,6 +65,7 @@ fn frame() -> Frame {
             shadow_size: 256,
             exposure: 1.0,
             tone_map: ToneMap::None,
+            wireframe: None,
         },
     }
 }

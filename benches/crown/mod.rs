@@ -45,6 +45,7 @@ pub fn frame() -> Frame {
             shadow_size: 2048,
             exposure: 1.0,
             tone_map: ToneMap::Neutral,
+            wireframe: None,
         },
     }
 }
@@ -125,6 +126,7 @@ fn material(name: &str, texture: u32, transmission: f32) -> Material {
         gloss: 0.04,
         roughness: 0.5,
         two_sided: is_leaf,
+        unlit: false,
     }
 }
 

@@ -1,4 +1,4 @@
-//! A contact sheet: one picture of many cells, each with the number of its seed in the upper left corner.
+//! A contact sheet: one picture of many cells; cells that differ in their seed have its number in the upper left corner.
 
 use crate::base::picture::Picture;
 use crate::scene::sheet::grid;
@@ -64,9 +64,9 @@ impl Sheet {
         [left, top, width, height]
     }
 
-    /// Lays pictures into their cells, each with its seed.
+    /// Lays pictures into their cells, with their seeds if given.
     #[must_use]
-    pub fn assemble(&self, cells: &[(u64, Picture)]) -> Picture {
+    pub fn assemble(&self, cells: &[(Option<u64>, Picture)]) -> Picture {
         let mut sheet = Picture::filled(self.width, self.height, LINE);
         for (number, (seed, picture)) in cells.iter().enumerate() {
             let [left, top, width, height] = self.cell(number);
@@ -77,7 +77,9 @@ impl Sheet {
             }
             // Numbers are of one size, though cells differ by a pixel.
             let dot = (self.height / self.rows / RELATIVE_HEIGHT / HEIGHT).max(1);
-            label(&mut sheet, [left, top, width, height], dot, *seed);
+            if let Some(seed) = seed {
+                label(&mut sheet, [left, top, width, height], dot, *seed);
+            }
         }
         sheet
     }
@@ -134,7 +136,7 @@ mod tests {
         #[test]
         fn any_seed_is_written_into_any_cell(width in 1u32..200, height in 1u32..100, seed: u64) {
             let cell = Picture::filled(width, height, [1, 2, 3, 255]);
-            let sheet = Sheet::new(width, height, 1).assemble(&[(seed, cell)]);
+            let sheet = Sheet::new(width, height, 1).assemble(&[(Some(seed), cell)]);
             prop_assert_eq!(sheet.pixels.len(), (width * height) as usize);
         }
     }
@@ -152,7 +154,7 @@ mod tests {
     /// The number read back from the dots.
     #[test]
     fn numbers_can_be_read() {
-        let sheet = Sheet::new(240, 160, 1).assemble(&[(1_234_567_890, Picture::filled(240, 160, [0, 0, 0, 255]))]);
+        let sheet = Sheet::new(240, 160, 1).assemble(&[(Some(1_234_567_890), Picture::filled(240, 160, [0, 0, 0, 255]))]);
         let dot = 160 / RELATIVE_HEIGHT / HEIGHT;
         let digit = |place: u32| {
             let row = |row: u32| {

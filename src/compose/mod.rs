@@ -207,6 +207,7 @@ impl Stock {
             gloss: if dry { 0.02 } else { 0.034 },
             roughness: if dry { 0.8 } else { 0.5 },
             two_sided: true,
+            unlit: false,
         })
     }
 
@@ -292,5 +293,6 @@ fn wood(name: &str, colour: [f32; 3]) -> Material {
         gloss: 0.0,
         roughness: 0.95,
         two_sided: false,
+        unlit: false,
     }
 }

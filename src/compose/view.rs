@@ -3,11 +3,13 @@
 use super::light::{Circle, fitted};
 use super::stand::Stand;
 use crate::base::vector::DVec3;
-use crate::frame::{Camera, ToneMap, View};
+use crate::frame::{Camera, ToneMap, View, Wireframe};
 use crate::scene::{Scene, light::Tone};
 
 /// Height of the eye of a fitted camera: a standing person's, metres.
 const EYE: f64 = 1.6;
+/// Colour of a wireframe's lines.
+const LINES: [f32; 3] = [0.02, 0.03, 0.05];
 /// Share of the picture that fitted trees fill.
 const FILL: f64 = 0.84;
 
@@ -22,6 +24,8 @@ pub(super) fn view(scene: &Scene, exposure: f32) -> View {
             Tone::Neutral => ToneMap::Neutral,
             Tone::None => ToneMap::None,
         },
+        wireframe: (scene.image.wireframe > 0.0)
+            .then(|| Wireframe { width: scene.image.wireframe as f32, colour: LINES }),
     }
 }
 

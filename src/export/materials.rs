@@ -4,7 +4,7 @@
 //! `KHR_materials_diffuse_transmission`, which such a reader ignores. The extension splits diffuse light: a share (the
 //! factor) passes, tinted by the transmission colour, and only the rest is reflected. The share is therefore the largest
 //! transmittance that the material reaches, the least that can carry it: what passes is exact, and a reader that knows the
-//! extension reflects less by that share.
+//! extension reflects less by that share. Charts are `KHR_materials_unlit`; readers without it show them lit.
 
 use super::document::{Document, Shown};
 use super::{ExportError, png};
@@ -19,6 +19,7 @@ use gltf_json::{Image, Index, Texture, Value};
 use serde_json::json;
 
 const DIFFUSE_TRANSMISSION: &str = "KHR_materials_diffuse_transmission";
+const UNLIT: &str = "KHR_materials_unlit";
 
 impl Document<'_> {
     /// The glTF material of a material of the frame.
@@ -28,7 +29,7 @@ impl Document<'_> {
         }
         let material = &self.frame.materials[number as usize];
         let reflected = material.reflected.map(|t| self.texture(Shown::Reflected(t))).transpose()?;
-        let extensions = self.transmission(number, material)?;
+        let extensions = if material.unlit { Some(self.unlit()) } else { self.transmission(number, material)? };
         let [r, g, b] = material.colour.map(|x| x.clamp(0.0, 1.0));
         let written = gltf_json::Material {
             double_sided: material.two_sided,
@@ -46,6 +47,13 @@ impl Document<'_> {
         let index = self.root.push(written);
         self.materials.insert(number, index);
         Ok(index)
+    }
+
+    fn unlit(&mut self) -> Extensions {
+        self.extensions.insert(UNLIT);
+        let mut extensions = Extensions::default();
+        extensions.others.insert(UNLIT.to_owned(), json!({}));
+        extensions
     }
 
     fn transmission(&mut self, number: u32, material: &Material) -> Result<Option<Extensions>, ExportError> {

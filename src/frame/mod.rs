@@ -43,6 +43,8 @@ pub struct Material {
     pub roughness: f32,
     /// Whether both sides are drawn.
     pub two_sided: bool,
+    /// Whether the surface shows its reflectance as it is, whatever light there is: charts, not leaves.
+    pub unlit: bool,
 }
 
 /// One mesh in one material.
@@ -131,6 +133,15 @@ pub enum ToneMap {
     None,
 }
 
+/// Lines over the edges of every triangle but those of the ground's cover.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wireframe {
+    /// Width of a line, pixels, positive. An edge at a mesh's rim shows the half of it that lies on the surface.
+    pub width: f32,
+    /// Colour of the lines as it is displayed, linear sRGB.
+    pub colour: [f32; 3],
+}
+
 /// The picture to draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
@@ -146,6 +157,8 @@ pub struct View {
     pub exposure: f32,
     /// The curve after it.
     pub tone_map: ToneMap,
+    /// Lines over the meshes, if asked for; meshes are drawn in full then, whatever their distance.
+    pub wireframe: Option<Wireframe>,
 }
 
 /// A resolved moment: what the two outputs are made of.

@@ -51,8 +51,20 @@ settings! {
         outline: Option<Vec<[f64; 2]>> = None, unit "mm", range -2000.0 => 2000.0;
         /// A scan from which outline and texture are taken; wins over `outline`.
         picture: Option<String> = None;
+        /// A traced leaf as `leafseason leaf` writes it: its keys lie below those that stand here.
+        file: Option<String> = None;
+        /// Key points of the gaps that are seen through the blade, each a closed line like `outline`.
+        holes: Vec<Vec<[f64; 2]>> = Vec::new(), unit "mm", range -2000.0 => 2000.0;
+        /// Centre line of the petiole from the joint outwards, each point with the width there: x, y, width.
+        petiole: Vec<[f64; 3]> = Vec::new(), unit "mm", range -2000.0 => 2000.0;
+        /// Where the petiole joins the blade in `picture`, from its upper left corner; found when absent. Beside an
+        /// `outline` it only tells where the scan had it.
+        joint: Option<[f64; 2]> = None, unit "px", range 0.0 => 1e6;
         /// A grey picture over the blade: white stays, black moves most. Derived from veins and margin when absent.
         mask: Option<String> = None;
+        /// The blade's upper side as `leafseason leaf` writes it: straightened, laid out by texture coordinates, clear
+        /// where no leaf is. That of `picture` when absent; painted when there is neither.
+        texture: Option<String> = None;
         /// Length of the blade from the joint to the farthest tip, to which an outline or a scan is scaled.
         length: f64 = 75.0, unit "mm", range 1.0 => 2000.0;
         /// How the veins are laid out when they are drawn from the outline.

@@ -26,6 +26,7 @@ mod simplify;
 mod texture;
 mod tile;
 mod tone;
+mod wireframe;
 
 use crate::base::figures::{ErrorFigure, Figures};
 use crate::base::picture::Picture;
@@ -71,13 +72,14 @@ pub fn draw(frame: &Frame) -> (Picture, Figures) {
     let cover = frame.ground.iter().flat_map(|ground| &ground.cover);
     let instances: Vec<Instance> = frame.instances.iter().chain(cover).copied().collect();
     let prepared = Prepared { frame, instances, meshes, textures, atmosphere, canopy, shadow, projection, tone };
+    let lod_error = if view.wireframe.is_some() { 0.0 } else { LOD_ERROR };
     let bins = Bins::new(
         frame,
         &prepared.instances,
         &prepared.meshes,
         &prepared.projection,
         [view.width, view.height],
-        LOD_ERROR,
+        lod_error,
     );
     let rows: Vec<Vec<tile::Pixels>> = match view.samples {
         1 => draw_rows::<1>(&prepared, &bins),
@@ -88,7 +90,7 @@ pub fn draw(frame: &Frame) -> (Picture, Figures) {
     let picture = assemble(view.width, view.height, &rows);
     let error: f64 = rows.iter().flatten().map(|pixels| pixels.squared_error).sum();
     let drawn: u64 = bins.items.iter().map(|item| item.cluster_in(&prepared.meshes).triangles.len() as u64).sum();
-    let figures = figures(&prepared, error).with("triangles_drawn", drawn);
+    let figures = figures(&prepared, error).with("triangles_drawn", drawn).with("lod_error_px", lod_error);
     (picture, figures)
 }
 
@@ -128,8 +130,7 @@ fn figures(prepared: &Prepared, squared_error: f64) -> Figures {
     let pixels = u64::from(frame.view.width) * u64::from(frame.view.height);
     let mut figures = Figures::of(pixels)
         .with("triangles", triangles)
-        .with("samples", frame.view.samples)
-        .with("lod_error_px", LOD_ERROR);
+        .with("samples", frame.view.samples);
     if frame.view.samples < 2 {
         return figures;
     }

@@ -8,6 +8,7 @@ use super::atmosphere::Ambient;
 use super::bins::Item;
 use super::distant_wood;
 use super::projection::composed;
+use super::wireframe;
 use crate::base::maths::mix;
 use crate::base::random::hash;
 use crate::base::vector::{Vec2, Vec3};
@@ -72,11 +73,23 @@ impl Prepared<'_> {
     }
 }
 
-/// Radiance of a triangle of an item at a point of the picture.
+/// Radiance of a triangle of an item at a point of the picture, with the lines of its edges where they are asked for.
 pub(super) fn surface(prepared: &Prepared, item: &Item, triangle: u16, at: [f32; 2]) -> [f32; 3] {
+    let lit = lit(prepared, item, triangle, at);
+    match prepared.frame.view.wireframe {
+        Some(lines) => wireframe::over(prepared, item, triangle, at, lines, lit),
+        None => lit,
+    }
+}
+
+/// Radiance of a triangle of an item at a point of the picture.
+fn lit(prepared: &Prepared, item: &Item, triangle: u16, at: [f32; 2]) -> [f32; 3] {
     let point = point(prepared, item, triangle, at);
     let material = &prepared.frame.materials[item.material as usize];
     let mut reflected = prepared.colour(material.colour, material.reflected, &point);
+    if material.unlit {
+        return reflected.map(|r| r / prepared.frame.view.exposure);
+    }
     if point.behind {
         reflected = reflected.map(|r| (r * material.back_gain).min(0.95));
     }

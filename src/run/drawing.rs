@@ -42,7 +42,7 @@ impl<'a> Run<'a> {
     /// A run that has drawn nothing yet.
     pub fn new(scene: &'a Scene, options: &'a Options, cells: Vec<Prepared>, names: Names, report: Report) -> Self {
         let trees = cells.iter().map(|cell| cell.stand.trees.len()).max().unwrap_or(0);
-        let states_text = states_file::header(trees > 1, !scene.seeds.is_empty());
+        let states_text = states_file::header(trees > 1, scene.sheet_column());
         Self { scene, options, cells, names, report, states_text }
     }
 
@@ -159,7 +159,7 @@ impl<'a> Run<'a> {
         for (number, (stock, states)) in stocks.iter().zip(states).enumerate() {
             let Some(stock) = stock else { continue };
             let Prepared { scene, stand, .. } = &self.cells[number];
-            let (seed, layout) = (scene.seed, scene.output.gltf);
+            let layout = scene.output.gltf;
             let worn = states.as_ref().map_or_else(Vec::new, |states| plan::garments(scene, stand, states));
             let frame = timed(&mut self.report, "compose", || {
                 let frame = stock.frame(scene, stand, &worn);
@@ -167,7 +167,7 @@ impl<'a> Run<'a> {
                 Ok::<_, Diagnostics>((frame, Figures::of(instances)))
             })?;
             if scene.output.png {
-                pictures.push((seed, self.rasterised(&frame, &worn, stock)?));
+                pictures.push((self.scene.seeds.get(number).copied(), self.rasterised(&frame, &worn, stock)?));
             }
             if let (Some(name), Some(layout)) = (self.names.gltf(index), layout) {
                 let bytes = timed(&mut self.report, "gltf", || export::glb(&frame, layout_of(layout)));
@@ -187,9 +187,9 @@ impl<'a> Run<'a> {
     }
 
     /// The picture of a frame: the only one, or all of them as a contact sheet.
-    fn assembled(&self, mut pictures: Vec<(u64, Picture)>) -> Picture {
+    fn assembled(&self, mut pictures: Vec<(Option<u64>, Picture)>) -> Picture {
         match pictures.pop() {
-            Some((_, picture)) if self.scene.seeds.is_empty() => picture,
+            Some((_, picture)) if self.scene.cell_count() == 0 => picture,
             last => {
                 pictures.extend(last);
                 let image = &self.scene.image;
@@ -236,19 +236,20 @@ impl<'a> Run<'a> {
             seconds,
         };
         let drawn: usize = states.iter().flatten().map(|states| states.states.len()).sum();
-        for (cell, states) in self.cells.iter().zip(states) {
+        for (number, (cell, states)) in self.cells.iter().zip(states).enumerate() {
             let Some(states) = states else { continue };
             let alone = states.states.len() == drawn;
             let weight = states.states.len() as f64 / drawn.max(1) as f64;
-            for (number, name) in states.names.iter().enumerate() {
-                let count = states.states.iter().filter(|&&state| usize::from(state) == number).count() as u64;
+            for (place, name) in states.names.iter().enumerate() {
+                let count = states.states.iter().filter(|&&state| usize::from(state) == place).count() as u64;
                 *frame.states.entry(name.clone()).or_default() += count;
-                let share = if alone { states.expected[number] } else { weight * states.expected[number] };
+                let share = if alone { states.expected[place] } else { weight * states.expected[place] };
                 *frame.expected.entry(name.clone()).or_default() += share;
             }
             if self.options.states.is_some() {
-                let seed = (!self.scene.seeds.is_empty()).then_some(cell.scene.seed);
-                states_file::append(&mut self.states_text, (index, day), &cell.stand, states, seed);
+                let when = (index, cell.scene.time.at(index));
+                let of_sheet = self.scene.sheet_column().map(|_| self.scene.seeds.get(number).copied().unwrap_or(number as u64));
+                states_file::append(&mut self.states_text, when, &cell.stand, states, of_sheet);
             }
         }
         frame.fallen = frame.states.get(plan::FALLEN).copied().unwrap_or(0);

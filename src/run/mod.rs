@@ -103,22 +103,26 @@ pub fn plan(scene: &Scene, options: &Options) -> Result<Plan, Diagnostics> {
     Ok(whole_plan(scene, &prepared))
 }
 
-/// The scenes that a frame of a scene shows: itself, or one with each seed of a contact sheet.
+/// The scenes that a frame of a scene shows: itself, or the cells of its contact sheet.
 fn cells(scene: &Scene) -> Vec<Scene> {
-    let sheet = Sheet::new(scene.image.width, scene.image.height, scene.seeds.len());
-    let cell = |(number, &seed): (usize, &u64)| {
+    if scene.cell_count() == 0 {
+        return vec![scene.clone()];
+    }
+    let sheet = Sheet::new(scene.image.width, scene.image.height, scene.cell_count());
+    let cell = |number: usize| {
         let [_, _, width, height] = sheet.cell(number);
-        scene.cell(seed, [width, height])
+        scene.cell(number, [width, height])
     };
-    if scene.seeds.is_empty() { vec![scene.clone()] } else { scene.seeds.iter().enumerate().map(cell).collect() }
+    (0..scene.cell_count()).map(cell).collect()
 }
 
 /// The plan of all cells.
 fn whole_plan(scene: &Scene, prepared: &[Prepared]) -> Plan {
-    if scene.seeds.is_empty() {
+    if scene.cell_count() == 0 {
         return prepared.first().map_or_else(Plan::default, |cell| cell.plan.clone());
     }
-    let plans: Vec<(u64, Plan)> = prepared.iter().map(|cell| (cell.scene.seed, cell.plan.clone())).collect();
+    let named = |(number, cell): (usize, &Prepared)| (scene.cell_name(number), cell.plan.clone());
+    let plans: Vec<(String, Plan)> = prepared.iter().enumerate().map(named).collect();
     Plan::of_sheet(&plans)
 }
 

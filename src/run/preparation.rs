@@ -65,7 +65,8 @@ pub fn prepare(cells: Vec<Scene>, asked: &Asked<'_>, report: &mut Report) -> Res
             let so_far = prepared.iter().map(|one| &one.stand).chain([&stand]).map(prediction::stand).sum::<f64>();
             let all = so_far * count as f64 / (prepared.len() + 1) as f64;
             let allowed = asked.limits.allow(Limit::Memory, "the sheet", all);
-            allowed.map_err(|refusal| fault::refused(&scene.places, "seeds", &refusal))?;
+            let key = if scene.places.of("cells").is_some() { "cells" } else { "seeds" };
+            allowed.map_err(|refusal| fault::refused(&scene.places, key, &refusal))?;
         }
         let mut one = Prepared { scene, stand, states, plan: Plan::default(), kept };
         let frames = asked.frames.iter().take_while(|_| !(asked.stop)());

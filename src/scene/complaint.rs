@@ -1,6 +1,6 @@
 //! What the stages' checks complain of.
 
-use super::{Scene, Species, camera, image, planting, sheet, time};
+use super::{Scene, Species, camera, image, planting, time};
 use crate::base::settings::Complaint;
 use crate::{colour, deform, leaf, season, tree};
 
@@ -14,7 +14,6 @@ pub fn of_scene(scene: &Scene) -> Vec<(String, Complaint)> {
     take("time", time::check(&scene.time));
     take("camera", camera::check(&scene.camera));
     take("image", image::check(&scene.image));
-    take("", sheet::check(scene));
     for (entry, planted) in scene.trees.iter().enumerate() {
         take(&format!("trees.{entry}"), planting::check(&planted.planting));
     }

@@ -1,7 +1,23 @@
 //! Size and antialiasing of the picture.
 
 use crate::base::settings::Complaint;
-use crate::settings;
+use crate::{choice, settings};
+
+choice! {
+    /// What the surfaces of leaves show.
+    pub enum Leaves {
+        /// Their colours in the light of the scene.
+        Lit = "lit",
+        /// Plain white: for wireframes.
+        White = "white",
+        /// The mask map: white stays, black moves most.
+        Mask = "mask",
+        /// The outline's curve with its key points, on white.
+        Outline = "outline",
+        /// The veins, on white.
+        Veins = "veins",
+    }
+}
 
 settings! {
     /// The picture. Width times height is bounded by the limit `pixels`.
@@ -12,6 +28,10 @@ settings! {
         height: u32 = 1080, unit "px", range 1 => 1000000;
         /// Samples in each pixel: 1, 4, 8 or 16.
         samples: u32 = 8, range 1 => 16;
+        /// What leaves show; all but "lit" are charts that no light changes.
+        leaves: Leaves = Leaves::Lit;
+        /// Width of lines over the edges of every triangle; 0 for none.
+        wireframe: f64 = 0.0, unit "px", range 0.0 => 100.0;
     }
 }
 

@@ -4,11 +4,13 @@
 use serde_json::{Map, Value};
 
 /// Groups of keys of which one is meant: a scene's `time.day` replaces the run of days below it.
-const ALTERNATIVES: [(&str, &[&[&str]]); 3] = [
-    ("time", &[&["day"], &["from", "to", "step"]]),
-    ("tree", &[&["age"], &["height"], &["iterations"]]),
-    ("leaf", &[&["outline"], &["picture"], &["file"]]),
-];
+const ALTERNATIVES: [(&str, &[&[&str]]); 2] =
+    [("time", &[&["day"], &["from", "to", "step"]]), ("tree", &[&["age"], &["height"], &["iterations"]])];
+
+/// Ways to give a blade, and what belongs to the one that was given: another blade takes all of it away.
+const BLADES: [&str; 3] = ["outline", "picture", "file"];
+const OF_A_BLADE: [&str; 9] =
+    ["outline", "corners", "holes", "petiole", "joint", "picture", "file", "mask", "texture"];
 
 /// What describes growth: an L-system of the scene's own takes all of it away from the species, whose constants and age
 /// belong to other rules.
@@ -22,7 +24,8 @@ pub fn lay(below: &mut Value, above: Value) {
     merge(below, above);
 }
 
-fn merge(below: &mut Value, above: Value) {
+/// Merges key by key without taking anything away: both tables mean the same thing.
+pub fn merge(below: &mut Value, above: Value) {
     match (below, above) {
         (Value::Object(below), Value::Object(above)) => {
             for (key, value) in above {
@@ -55,6 +58,11 @@ fn make_room(below: &mut Map<String, Value>, above: &Map<String, Value>) {
         if above.contains_key(name) && !above.contains_key(other) {
             below.remove(other);
         }
+    }
+    if let (Some(Value::Object(old)), Some(Value::Object(new))) = (below.get_mut("leaf"), above.get("leaf"))
+        && BLADES.iter().any(|key| new.contains_key(*key))
+    {
+        old.retain(|key, _| !OF_A_BLADE.contains(&key.as_str()));
     }
     if let (Some(Value::Object(old)), true) = (below.get_mut("tree"), is_whole_tree(above)) {
         old.retain(|key, _| !GROWTH.contains(&key.as_str()));
@@ -101,6 +109,15 @@ mod tests {
         assert_eq!(laid(sheet.clone(), json!({"seed": 2})), json!({"seed": 2}));
         assert_eq!(laid(sheet, json!({"image": {}})), json!({"seed": 1, "seeds": [1, 2, 3], "image": {}}));
         assert_eq!(laid(json!({"seed": 5}), json!({"seeds": [7, 8]})), json!({"seeds": [7, 8]}));
+    }
+
+    #[test]
+    fn another_blade_takes_the_mask_and_holes_of_the_first_away_but_not_its_mesh() {
+        let traced = json!({"leaf": {"outline": [[0.0, 0.0]], "holes": [], "mask": "m.png", "vertices": 300}});
+        let scan = json!({"leaf": {"picture": "a.png"}});
+        assert_eq!(laid(traced.clone(), scan), json!({"leaf": {"picture": "a.png", "vertices": 300}}));
+        let finer = laid(traced, json!({"leaf": {"vertices": 900}}));
+        assert_eq!((&finer["leaf"]["mask"], &finer["leaf"]["vertices"]), (&json!("m.png"), &json!(900)));
     }
 
     #[test]

@@ -52,6 +52,8 @@ pub struct Scene {
     pub seed: u64,
     /// The seeds of a contact sheet, in the order of its cells; empty for a scene that is no sheet.
     pub seeds: Vec<u64>,
+    /// The cells of a contact sheet that varies other keys, each a scene of its own, in order.
+    pub cells: Vec<Scene>,
     /// The weather.
     pub climate: season::Climate,
     /// When.
@@ -122,13 +124,6 @@ impl Scene {
     #[must_use]
     pub fn place(&self, path: &str) -> Option<Place> {
         self.places.of(path)
-    }
-
-    /// The scene with one of the seeds of its contact sheet, drawn in a cell of that many pixels.
-    #[must_use]
-    pub fn cell(&self, seed: u64, [width, height]: [u32; 2]) -> Self {
-        let image = image::Image { width, height, ..self.image.clone() };
-        Self { seed, seeds: Vec::new(), image, ..self.clone() }
     }
 }
 

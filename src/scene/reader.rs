@@ -16,6 +16,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+mod leaf_file;
 mod roster;
 
 /// Reads and resolves a scene. `sets` are the arguments of `--set`, `roots` those of `--asset-root`. Beside the scene come
@@ -100,9 +101,38 @@ impl Reader<'_> {
         self.places.extend(checker.places);
     }
 
-    /// Lays the species below, makes settings of all, and asks the stages.
+    /// Resolves a scene, and each cell of its sheet as the scene with the cell's keys laid over it.
     fn resolve(&mut self, source: &Arc<Source>, mut above: Value) -> Option<Scene> {
+        let cells = above.as_object_mut().and_then(|above| above.remove("cells"));
+        let cells = cells.as_ref().and_then(Value::as_array).cloned().unwrap_or_default();
+        let places = self.places.clone();
+        let mut scene = self.resolve_one(source, above.clone());
+        for (number, cell) in cells.into_iter().enumerate() {
+            self.places.clone_from(&places);
+            let begin = format!("cells.{number}.");
+            let own = places.iter().filter_map(|(key, place)| Some((key.strip_prefix(&begin)?.to_owned(), place.clone())));
+            self.places.extend(own);
+            let mut layered = above.clone();
+            layers::lay(&mut layered, cell);
+            let cell = self.resolve_one(source, layered);
+            scene = scene.zip(cell).map(|(mut scene, cell)| {
+                scene.cells.push(cell);
+                scene
+            });
+        }
+        let mut scene = scene?;
+        for complaint in sheet::check(&scene) {
+            let (path, diagnostic) = scene.places.diagnostic("", complaint);
+            self.complain(source, Finding { species: None, path, diagnostic });
+        }
+        scene.files = std::mem::take(&mut self.files);
+        Some(scene)
+    }
+
+    /// Lays the species below, makes settings of all, and asks the stages.
+    fn resolve_one(&mut self, source: &Arc<Source>, mut above: Value) -> Option<Scene> {
         let entries = roster::taken(&mut above);
+        let above = self.with_leaf_file(above, None);
         let roster = roster::Roster::new(self, source, &above, &entries);
         let own = self.places.clone();
         let mut species = Vec::new();
@@ -119,7 +149,6 @@ impl Reader<'_> {
         let mut scene = self.scene(source, &above, species, trees)?;
         scene.places = Places(std::mem::take(&mut self.places));
         self.judge(source, &scene, &wholes);
-        scene.files = std::mem::take(&mut self.files);
         Some(scene)
     }
 
@@ -181,6 +210,7 @@ impl Reader<'_> {
             name: String::new(),
             seed: seed.unwrap_or(1),
             seeds,
+            cells: Vec::new(),
             climate: self.settings(source, above, "climate")?,
             time,
             species,

@@ -8,6 +8,17 @@ use serde_json::Value;
 /// The keys of a scene file.
 #[must_use]
 pub fn scene() -> Schema {
+    let mut scene = cell();
+    let doc = "A contact sheet of variations: each entry is a table of keys of the scene (without `cells`, and only the \
+               sheet's `output` counts), laid over it and drawn in a cell of one picture of the image's size, row by row.";
+    let kind = Kind::List(Box::new(Kind::Table(cell())), 1, sheet::MOST_CELLS);
+    let key = Key { name: "cells", doc: doc.to_owned(), unit: "", range: None, kind, default: Value::Null };
+    scene.keys.push(key);
+    scene
+}
+
+/// The keys of a scene that is no sheet of cells.
+fn cell() -> Schema {
     let mut keys = vec![
         text(
             "species",
@@ -30,7 +41,7 @@ pub fn scene() -> Schema {
                 .to_owned(),
             unit: "",
             range: Some((0.0, u64::MAX as f64)),
-            kind: Kind::List(Box::new(Kind::Integer), 1, sheet::MOST_SEEDS),
+            kind: Kind::List(Box::new(Kind::Integer), 1, sheet::MOST_CELLS),
             default: Value::Null,
         },
         trees(),
@@ -54,6 +65,15 @@ pub fn species() -> Schema {
     let mut keys = vec![text("name", "The species' name."), text("description", "The species in one line.")];
     keys.extend(stages());
     Schema { doc: "A species of leafseason.".to_owned(), keys }
+}
+
+/// The keys of a traced leaf's file: those of `[leaf]` but that which names such a file.
+#[must_use]
+pub fn leaf_file() -> Schema {
+    let mut inner = leaf::Settings::schema();
+    inner.keys.retain(|key| key.name != "file");
+    let key = Key { kind: Kind::Table(inner), ..table::<leaf::Settings>("leaf") };
+    Schema { doc: "A traced leaf of leafseason.".to_owned(), keys: vec![key] }
 }
 
 /// The tables of the stages, which scenes and species share.
@@ -90,7 +110,7 @@ fn table<T: Described>(name: &'static str) -> Key {
 #[must_use]
 pub fn homes(schema: &Schema, name: &str) -> Vec<&'static str> {
     let has = |kind: &Kind| matches!(table_of(kind), Some(inner) if inner.keys.iter().any(|key| key.name == name));
-    schema.keys.iter().filter(|key| has(&key.kind)).map(|key| key.name).collect()
+    schema.keys.iter().filter(|key| key.name != "cells" && has(&key.kind)).map(|key| key.name).collect()
 }
 
 /// The keys of a table, or of the tables of a list.

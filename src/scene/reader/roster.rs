@@ -117,7 +117,7 @@ impl Reader<'_> {
         self.complain(source, Finding { species: None, path: key.to_owned(), diagnostic });
     }
 
-    fn refuse(&mut self, key: &str, species: Option<usize>, fault: Diagnostic) {
+    pub(super) fn refuse(&mut self, key: &str, species: Option<usize>, fault: Diagnostic) {
         let place = fault.place.clone().or_else(|| self.places.get(key).cloned());
         self.findings.push(Finding { species, path: key.to_owned(), diagnostic: fault.at(place) });
     }
@@ -133,7 +133,8 @@ impl Reader<'_> {
         match self.species_text(name) {
             Ok(source) => {
                 let own = std::mem::take(&mut self.places);
-                let (mut table, _) = self.text(&source, &schema::species(), Some(number));
+                let (table, _) = self.text(&source, &schema::species(), Some(number));
+                let mut table = self.with_leaf_file(table, Some(number));
                 let mut places = std::mem::replace(&mut self.places, own.clone());
                 // what the scene says stands before what the species says
                 places.extend(own);
