@@ -22,6 +22,8 @@ pub enum Command {
     Render(Box<Render>),
     /// Checks a scene and shows what would be done, what is left out, and why; draws nothing.
     Plan(Plan),
+    /// Traces a scan of a leaf: key points, mesh, veins, mask and texture, with no clicks.
+    Leaf(Box<Leaf>),
     /// Tells how far two pictures are apart: largest difference, RMSE in linear light, FLIP.
     Compare(Compare),
     /// Checks that every frame of a folder is there and whole.
@@ -47,6 +49,14 @@ pub struct SceneArguments {
     /// Looks here too for files that the scene names; may be repeated.
     #[arg(long, value_name = "DIR")]
     pub asset_root: Vec<PathBuf>,
+    /// The limits in force.
+    #[command(flatten)]
+    pub limits: LimitArguments,
+}
+
+/// The operator's limits.
+#[derive(Args, Clone, Debug)]
+pub struct LimitArguments {
     /// Bounds the predicted memory, for example 512M or 2G.
     #[arg(long, value_name = "SIZE", value_parser = parse_size)]
     pub memory_limit: Option<f64>,
@@ -100,6 +110,31 @@ pub struct Plan {
     /// Prints the plan as JSON.
     #[arg(long)]
     pub json: bool,
+}
+
+/// `leafseason leaf`.
+#[derive(Args, Clone, Debug)]
+pub struct Leaf {
+    /// The scan: PNG or JPEG, one whole leaf on a plain background, or with an alpha channel.
+    pub picture: PathBuf,
+    /// The folder for leaf.toml, mask.png, texture.png and preview.png.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// A hand-traced outline and veins, to tell how far the trace is from them.
+    #[arg(long, value_name = "FILE.json")]
+    pub truth: Option<PathBuf>,
+    /// Overrides a key of [leaf]; may be repeated. Example: --set leaf.vertices=1000
+    #[arg(long, value_name = "leaf.KEY=VALUE")]
+    pub set: Vec<Override>,
+    /// Writes a report as JSON.
+    #[arg(long, value_name = "FILE.json")]
+    pub report: Option<PathBuf>,
+    /// Threads to use [default: all cores]. Changes no byte of the output.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// The limits in force.
+    #[command(flatten)]
+    pub limits: LimitArguments,
 }
 
 /// `leafseason compare`.
@@ -163,11 +198,11 @@ pub struct New {
     pub species: String,
 }
 
-impl SceneArguments {
+impl LimitArguments {
     /// The limits in force: the defaults, memory bounded by what is `available` (bytes), changed by `--limit` in the order
     /// given, then by `--memory-limit`.
     #[must_use]
-    pub fn limits(&self, available: f64) -> Limits {
+    pub fn get(&self, available: f64) -> Limits {
         let mut limits = Limits::default();
         limits.set(Limit::Memory, limits.get(Limit::Memory).min(available));
         self.limit.iter().for_each(|argument| limits.set(argument.limit, argument.value));
@@ -284,7 +319,7 @@ mod tests {
         let found = render(&[]);
         assert_eq!((found.out.to_str(), found.shard, found.progress), (Some("out"), Shard::default(), Mode::Auto));
         assert!(found.frames.is_none() && found.threads.is_none() && !found.keep_going && !found.force);
-        assert_eq!(found.scene.limits(f64::INFINITY), Limits::default());
+        assert_eq!(found.scene.limits.get(f64::INFINITY), Limits::default());
     }
 
     #[test]
@@ -327,7 +362,7 @@ mod tests {
         assert_eq!(set, ["a.b=1", "c=[1, 2]"]);
         assert_eq!((found.progress, found.scene.asset_root.len()), (Mode::OpenJd, 2));
         assert!(found.keep_going && found.force && found.report.is_some() && found.states.is_some());
-        let limits = found.scene.limits(f64::INFINITY);
+        let limits = found.scene.limits.get(f64::INFINITY);
         let values = [Limit::Leaves, Limit::Symbols, Limit::Memory, Limit::Frames].map(|limit| limits.get(limit));
         assert_eq!(values, [1000.0, 5.0, 2e9, Limits::default().get(Limit::Frames)]);
     }
@@ -380,7 +415,7 @@ mod tests {
         for limit in ALL_LIMITS {
             let flag = limit.flag(123_456_789.0);
             let arguments: Vec<&str> = flag.split(' ').collect();
-            assert!(render(&arguments).scene.limits(f64::INFINITY).get(limit) >= 123_456_789.0, "{flag}");
+            assert!(render(&arguments).scene.limits.get(f64::INFINITY).get(limit) >= 123_456_789.0, "{flag}");
         }
     }
 }

@@ -4,7 +4,8 @@ use clap::Parser;
 use leafseason::base::diagnostic::{Diagnostic, Diagnostics, Fault};
 use leafseason::base::limits::{Limit, Limits};
 use leafseason::base::message;
-use leafseason::cli::{Cli, Command, Compare, New, Plan, Render, SceneArguments, Study, Verify};
+use leafseason::cli::{Cli, Command, Compare, Leaf, New, Plan, Render, SceneArguments, Study, Verify};
+use leafseason::report::Report;
 use leafseason::run::memory;
 use leafseason::run::progress::{Event, Progress};
 use leafseason::run::signals::Signals;
@@ -64,6 +65,7 @@ fn command(command: Command) -> Result<u8, Diagnostics> {
     match command {
         Command::Render(arguments) => render(&arguments),
         Command::Plan(arguments) => plan(&arguments),
+        Command::Leaf(arguments) => trace_leaf(&arguments),
         Command::Compare(arguments) => compare_pictures(&arguments),
         Command::Verify(arguments) => verify(&arguments),
         Command::New(arguments) => new_scene(&arguments),
@@ -98,10 +100,7 @@ fn render(arguments: &Render) -> Result<u8, Diagnostics> {
     let outcome = run::render(&scene, &options, &mut progress, &signals).inspect_err(|faults| {
         progress.tell(Event::Stopped { message: &faults.to_string() });
     })?;
-    match &arguments.report {
-        Some(path) => run::write_report(path, &outcome.report)?,
-        None => complain(&outcome.report.table()),
-    }
+    tell(&outcome.report, arguments.report.as_deref())?;
     if let Some(code) = signals.exit_code().filter(|_| outcome.interrupted) {
         return Ok(code);
     }
@@ -116,6 +115,33 @@ fn plan(arguments: &Plan) -> Result<u8, Diagnostics> {
     let (scene, limits) = read(&arguments.scene)?;
     let plan = run::plan(&scene, &Options { limits, ..Options::default() })?;
     print(&if arguments.json { json(&plan)? } else { plan.text() })
+}
+
+fn trace_leaf(arguments: &Leaf) -> Result<u8, Diagnostics> {
+    use_threads(arguments.threads)?;
+    if let Some(path) = &arguments.report {
+        run::destination::file(path)?;
+    }
+    let limits = arguments.limits.get(memory::available(rayon::current_num_threads()));
+    let sets: Vec<String> = arguments.set.iter().map(|set| set.text()).collect();
+    let settings = scene::leaf_settings(&sets, &limits)?;
+    let (picture, out, truth) = (arguments.picture.clone(), arguments.out.clone(), arguments.truth.clone());
+    let report = run::leaf::trace(&run::leaf::Job { picture, out, truth, settings, limits })?;
+    tell(&report, arguments.report.as_deref())?;
+    Ok(0)
+}
+
+/// Tells what there is to know of a run: its notes, and the report as a file or as a short table.
+fn tell(report: &Report, path: Option<&Path>) -> Result<(), Diagnostics> {
+    let notes: Vec<Diagnostic> = report.notes.iter().map(|note| Diagnostic::warning(note, "")).collect();
+    complain(&message::render_all(&notes));
+    match path {
+        Some(path) => run::write_report(path, report),
+        None => {
+            complain(&report.table());
+            Ok(())
+        }
+    }
 }
 
 fn compare_pictures(arguments: &Compare) -> Result<u8, Diagnostics> {
@@ -238,7 +264,7 @@ fn subjects(scene: &Scene) -> Vec<study::trees::Subject> {
 
 /// Reads a scene with its arguments and prints its warnings.
 fn read(arguments: &SceneArguments) -> Result<(Scene, Limits), Diagnostics> {
-    let limits = arguments.limits(memory::available(rayon::current_num_threads()));
+    let limits = arguments.limits.get(memory::available(rayon::current_num_threads()));
     let sets: Vec<String> = arguments.set.iter().map(|set| set.text()).collect();
     let (scene, warnings) = scene::read(&arguments.scene, &sets, &arguments.asset_root, &limits)?;
     complain(&message::render_all(&warnings));

@@ -4,6 +4,7 @@
 
 use crate::base::message::shown;
 use crate::compose::{Garment, Stand, variant};
+use crate::scene::image::Leaves;
 use crate::scene::{Scene, Species};
 use crate::season::LeafStates;
 use serde::Serialize;
@@ -252,7 +253,7 @@ fn plan_leaves(
     for (stage, feeds, count) in
         [("deform", "compose", species.deform.shapes), ("colour", "compose", species.colour.variants)]
     {
-        if stage == "colour" && !textured {
+        if stage == "colour" && !(textured && scene.image.leaves == Leaves::Lit) {
             plan.leave(format!("{stage} {label}").trim_end(), Reason::NotAskedFor);
             continue;
         }

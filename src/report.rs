@@ -70,6 +70,9 @@ pub struct Report {
     pub peak_memory_bytes: u64,
     /// The stages that ran.
     pub stages: Vec<StageReport>,
+    /// What the person should know of what was made.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
     /// What was left out and why.
     pub left_out: Vec<LeftOut>,
     /// The frames asked for.
@@ -79,6 +82,8 @@ pub struct Report {
 impl Report {
     /// Adds a run of a stage.
     pub fn add(&mut self, name: &str, seconds: f64, figures: Figures) {
+        let new = figures.notes.into_iter().filter(|note| !self.notes.contains(note)).collect::<Vec<_>>();
+        self.notes.extend(new);
         let stage = self.stage(name);
         stage.runs += 1;
         stage.seconds += seconds;
@@ -132,6 +137,17 @@ impl Report {
         let table = self.stage(stage).figures.entry("species".to_owned()).or_insert_with(|| Value::Object(Map::new()));
         if let Value::Object(table) = table {
             table.insert(species.to_owned(), Value::Object(figures.values.into_iter().collect()));
+        }
+    }
+
+    /// The report of a run of this program that has done nothing yet.
+    #[must_use]
+    pub fn begun(scene: &str) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            scene: scene.to_owned(),
+            threads: rayon::current_num_threads() as u64,
+            ..Self::default()
         }
     }
 

@@ -95,7 +95,15 @@ fn frame() -> Frame {
         sun: Sun { direction: Vec3::y(), irradiance: [1.0; 3] },
         sky: Sky { zenith: [0.2; 3], horizon: [0.5; 3] },
         ground: Some(Ground { texture: 3, tile: 1.0, haze: 50.0, ..Ground::default() }),
-        view: View { width: 8, height: 8, samples: 1, shadow_size: 0, exposure: 1.0, tone_map: ToneMap::None, wireframe: None },
+        view: View {
+            width: 8,
+            height: 8,
+            samples: 1,
+            shadow_size: 0,
+            exposure: 1.0,
+            tone_map: ToneMap::None,
+            wireframe: None,
+        },
     }
 }
 

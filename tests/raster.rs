@@ -2,7 +2,7 @@
 
 use leafseason::base::mesh::Mesh;
 use leafseason::base::vector::{Affine, Vec2, Vec3};
-use leafseason::frame::{Camera, Frame, Instance, Material, Model, Part, Sky, Sun, ToneMap, View};
+use leafseason::frame::{Camera, Frame, Instance, Material, Model, Part, Sky, Sun, ToneMap, View, Wireframe};
 use leafseason::raster;
 use std::f32::consts::PI;
 
@@ -146,6 +146,36 @@ fn a_square_covers_its_exact_share_of_the_picture() {
     let pixels_a_metre = f64::from(HEIGHT) / 4.0;
     let area = (2.0 * 0.613 * pixels_a_metre) * (2.0 * 0.613 * pixels_a_metre);
     assert!((covered / area - 1.0).abs() < 4e-3, "{covered} of {area}");
+}
+
+#[test]
+fn a_wireframe_covers_its_exact_share_and_leaves_the_rest_as_it_is() {
+    let mut frame = frame();
+    frame.sky = Sky { zenith: [1.0; 3], horizon: [1.0; 3] };
+    let plain = raster::draw(&frame).0;
+    frame.view.wireframe = Some(Wireframe { width: 1.5, colour: [0.0; 3] });
+    let lined = raster::draw(&frame).0;
+    let changed = plain.pixels.iter().zip(&lined.pixels).filter(|(a, b)| a != b);
+    // Lines are blended by square roots of light.
+    let root = |code: u8| f64::from(leafseason::base::maths::srgb_to_linear(f32::from(code) / 255.0)).sqrt();
+    let share: f64 = changed.map(|(a, b)| 1.0 - root(b[1]) / root(a[1])).sum();
+    // The rim's four sides show half of their width, the diagonal all of it: 32 pixels a side.
+    let side = f64::from(HEIGHT) / 4.0 * 2.0;
+    let expected = 4.0 * side * 0.75 + side * 2f64.sqrt() * 1.5;
+    assert!((share / expected - 1.0).abs() < 0.04, "{share} of {expected}");
+    assert_eq!(lined.at(WIDTH / 2, HEIGHT / 2), [0, 0, 0, 255], "the diagonal passes through the middle");
+    assert_eq!(lined.at(WIDTH / 2 + 8, HEIGHT / 2 + 2), plain.at(WIDTH / 2 + 8, HEIGHT / 2 + 2));
+}
+
+#[test]
+fn an_unlit_surface_shows_its_colour_in_any_light() {
+    let mut frame = frame();
+    frame.materials[0].unlit = true;
+    for (light, exposure) in [(0.0, 1.0), (7.0, 0.25), (0.1, 40.0)] {
+        frame.sky = Sky { zenith: [light; 3], horizon: [light; 3] };
+        frame.view.exposure = exposure;
+        assert_near(middle(&frame), codes([0.2, 0.4, 0.1]));
+    }
 }
 
 #[test]

@@ -17,6 +17,17 @@ pub struct Vein {
     pub order: u8,
 }
 
+/// A flat band of triangles along a line: a stalk.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Strip {
+    /// The centre line from the blade's joint outwards, metres.
+    pub line: Vec<DVec2>,
+    /// Vertices, two for each point of the line: its left and its right, metres.
+    pub positions: Vec<DVec2>,
+    /// Vertex numbers of each triangle, counter-clockwise seen from +z.
+    pub triangles: Vec<[u32; 3]>,
+}
+
 /// A blade as the leaf stage hands it on.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Blade {
@@ -24,8 +35,16 @@ pub struct Blade {
     pub mesh: FlatMesh,
     /// The outline, densely sampled and counter-clockwise, metres.
     pub outline: Vec<DVec2>,
+    /// The outlines of gaps that are seen through the blade, densely sampled, metres.
+    pub holes: Vec<Vec<DVec2>>,
+    /// The key points of outline and gaps, metres.
+    pub keys: Vec<DVec2>,
     /// Veins, thick ones first.
     pub veins: Vec<Vein>,
-    /// The user's scan laid out by the mesh's texture coordinates, the background filled with leaf colour.
+    /// The mask map by the mesh's texture coordinates: white stays, black moves most. The mesh's greys are read from it.
+    pub mask: Picture,
+    /// The stalk as a strip of its own, if a scan shows it.
+    pub petiole: Option<Strip>,
+    /// The user's scan laid out by the mesh's texture coordinates; clear where no leaf is, in the colour of the leaf nearby.
     pub scan: Option<Picture>,
 }

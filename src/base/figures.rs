@@ -28,6 +28,8 @@ pub struct Figures {
     pub error: Option<ErrorFigure>,
     /// Further figures by name.
     pub values: BTreeMap<String, Value>,
+    /// What the person should know of the result.
+    pub notes: Vec<String>,
 }
 
 impl Figures {

@@ -154,7 +154,8 @@ mod tests {
     /// The number read back from the dots.
     #[test]
     fn numbers_can_be_read() {
-        let sheet = Sheet::new(240, 160, 1).assemble(&[(Some(1_234_567_890), Picture::filled(240, 160, [0, 0, 0, 255]))]);
+        let sheet =
+            Sheet::new(240, 160, 1).assemble(&[(Some(1_234_567_890), Picture::filled(240, 160, [0, 0, 0, 255]))]);
         let dot = 160 / RELATIVE_HEIGHT / HEIGHT;
         let digit = |place: u32| {
             let row = |row: u32| {

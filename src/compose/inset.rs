@@ -19,13 +19,7 @@ impl Stock {
     /// A frame of the leaf that most leaves of `worn` look like, seen from its upper side; `None` when no leaf hangs.
     #[must_use]
     pub fn inset(&self, worn: &[Option<Garment>], frame: &Frame) -> Option<Frame> {
-        let mut counts: BTreeMap<Garment, usize> = BTreeMap::new();
-        for garment in worn.iter().flatten() {
-            *counts.entry(*garment).or_default() += 1;
-        }
-        let (&garment, _) = counts.iter().max_by_key(|(garment, count)| (**count, std::cmp::Reverse(**garment)))?;
-        let &model =
-            [Petiole::Mean, Petiole::Short, Petiole::Long].iter().find_map(|p| self.worn.get(&(garment, *p)))?;
+        let model = self.commonest(worn)?;
         let blade = &self.meshes[self.models[model as usize].parts.first()?.mesh as usize];
         let (low, high) = blade.bounds()?;
         let middle = (low + high) * 0.5;
@@ -65,8 +59,18 @@ impl Stock {
         })
     }
 
+    /// The model that most leaves of `worn` look like.
+    pub(super) fn commonest(&self, worn: &[Option<Garment>]) -> Option<u32> {
+        let mut counts: BTreeMap<Garment, usize> = BTreeMap::new();
+        for garment in worn.iter().flatten() {
+            *counts.entry(*garment).or_default() += 1;
+        }
+        let (&garment, _) = counts.iter().max_by_key(|(garment, count)| (**count, std::cmp::Reverse(**garment)))?;
+        [Petiole::Mean, Petiole::Short, Petiole::Long].iter().find_map(|p| self.worn.get(&(garment, *p))).copied()
+    }
+
     /// The meshes and textures with those that a model does not use as empty ones: the rasteriser prepares all it is given.
-    fn only(&self, model: u32) -> (Vec<Arc<Mesh>>, Vec<Arc<Texture>>) {
+    pub(super) fn only(&self, model: u32) -> (Vec<Arc<Mesh>>, Vec<Arc<Texture>>) {
         let parts = &self.models[model as usize].parts;
         let of_material = |number: u32| {
             let material = &self.materials[number as usize];

@@ -13,6 +13,7 @@ mod leaf_area;
 mod light;
 mod petiole;
 pub mod picture_inset;
+mod specimen;
 mod stand;
 mod sward;
 mod view;
@@ -25,7 +26,7 @@ use crate::base::random::{Purpose, Stream};
 use crate::base::vector::{Affine, Mat3, Vec3};
 use crate::colour::Painted;
 use crate::frame::{Frame, Instance, Material, Model, Part, Texture};
-use crate::scene::{Scene, Species, ground::Cover};
+use crate::scene::{Scene, Species, ground::Cover, image::Leaves};
 use crate::tree::LeafSite;
 use petiole::Petiole;
 use stand::Pose;
@@ -174,7 +175,10 @@ impl Stock {
             let name = format!("leaf_{tag}{}_{}", model_name(state, garment.state), garment.variant);
             let mesh = self.push_mesh(shape.clone());
             let painted = wardrobe.textures.get(garment);
-            let material = self.add_leaf_material(species, &name, state, painted.map(Arc::as_ref));
+            let material = match scene.image.leaves {
+                Leaves::Lit => self.add_leaf_material(species, &name, state, painted.map(Arc::as_ref)),
+                _ => self.add_chart_material(&name, painted.map(Arc::as_ref)),
+            };
             for &(petiole, stalk) in &stalks {
                 let mut parts = vec![Part { mesh, material }];
                 parts.extend(stalk);
@@ -209,6 +213,15 @@ impl Stock {
             two_sided: true,
             unlit: false,
         })
+    }
+
+    /// A chart's colours as they are, white without one.
+    fn add_chart_material(&mut self, name: &str, chart: Option<&Painted>) -> u32 {
+        let reflected = chart.map(|chart| {
+            let (width, height, pixels) = (chart.size, chart.size, chart.reflected.clone());
+            self.push_texture(Texture { name: format!("{name}_chart"), width, height, pixels, repeat: false })
+        });
+        self.push_material(Material { reflected, unlit: true, two_sided: true, ..wood(name, [1.0; 3]) })
     }
 
     /// One frame: the wood and every leaf that still hangs, tree by tree. `worn` gives each leaf's garment in the order of

@@ -3,20 +3,26 @@
 //! Sections 3 and 4.2 of Tang, Wu and Fan 2013. Where the paper asks a user, this decides: key points by an error bound in
 //! pixels, the mask from veins, margin, tips and petiole. It does not bend the leaf, paint it, or read files.
 
+mod canvas;
+mod chart;
 mod contour;
+mod file;
 mod grid;
 mod key_points;
 mod mask;
 mod outline;
 mod polygon;
+mod preview;
 mod quality;
 mod remesh;
 mod ring;
 mod scan;
 mod segmentation;
 mod spline;
+mod strip;
 mod trace;
 mod triangulation;
+mod truth;
 mod veins;
 
 use crate::base::blade::Blade;
@@ -27,10 +33,13 @@ use crate::base::picture::Picture;
 use crate::base::settings::Complaint;
 use crate::base::vector::DVec2;
 use crate::{choice, settings};
+pub use chart::Chart;
+pub use file::{MASK, TEXTURE, text as file_text};
 use remesh::Remesh;
 use spline::Spline;
 use thiserror::Error;
 pub use trace::{Pose, Trace};
+pub use truth::Truth;
 
 choice! {
     /// How the main veins of a blade are laid out.
@@ -41,6 +50,20 @@ choice! {
         Pinnate = "pinnate",
         /// Equal veins that fork again and again from the joint, no midrib: ginkgo.
         Forking = "forking",
+    }
+}
+
+settings! {
+    /// A vein of a blade.
+    pub struct VeinLine {
+        /// 1 for a midrib or main vein, 2 for its branches, 3 for the net between.
+        order: u32 = 1, range 1 => 3;
+        /// Points from the thick end to the thin one.
+        points: Vec<[f64; 2]> = Vec::new(), unit "mm", range -2000.0 => 2000.0;
+        /// Width at the thick end.
+        width: f64 = 1.0, unit "mm", range 0.0 => 100.0;
+        /// Width at the thin end.
+        end_width: f64 = 0.25, unit "mm", range 0.0 => 100.0;
     }
 }
 
@@ -57,6 +80,8 @@ settings! {
         holes: Vec<Vec<[f64; 2]>> = Vec::new(), unit "mm", range -2000.0 => 2000.0;
         /// Centre line of the petiole from the joint outwards, each point with the width there: x, y, width.
         petiole: Vec<[f64; 3]> = Vec::new(), unit "mm", range -2000.0 => 2000.0;
+        /// The veins, thick ones first. Found in the picture, or drawn from the outline, when there are none here.
+        veins: Vec<VeinLine> = Vec::new();
         /// Where the petiole joins the blade in `picture`, from its upper left corner; found when absent. Beside an
         /// `outline` it only tells where the scan had it.
         joint: Option<[f64; 2]> = None, unit "px", range 0.0 => 1e6;
@@ -87,6 +112,19 @@ pub struct Pictures<'a> {
     pub picture: Option<&'a Picture>,
     /// The mask of `Settings::mask`, laid out by the mesh's texture coordinates.
     pub mask: Option<&'a Picture>,
+    /// The blade's upper side of `Settings::texture`, laid out likewise.
+    pub texture: Option<&'a Picture>,
+}
+
+/// A scan that was traced, with the blade made of it.
+#[derive(Clone, Debug)]
+pub struct Traced {
+    /// The settings with the outline, gaps and petiole that were found: what a file of the leaf holds.
+    pub settings: Settings,
+    /// What was found in the picture.
+    pub trace: Trace,
+    /// The blade.
+    pub blade: Blade,
 }
 
 /// Why a leaf could not be made.
@@ -128,7 +166,7 @@ pub fn check(settings: &Settings) -> Vec<Complaint> {
     outline.map(|points| outline::complaints(points, settings.corner.to_radians())).unwrap_or_default()
 }
 
-/// Traces a scan without meshing it: for a `leaf.toml` of key points and for comparison with a truth.
+/// Traces a scan without meshing it.
 ///
 /// # Errors
 /// [`LeafError`] when there is no leaf in the picture, or a limit refuses its size.
@@ -137,43 +175,145 @@ pub fn trace(settings: &Settings, picture: &Picture, limits: &Limits) -> Result<
     trace::traced(picture, settings.length * 1e-3, settings.tolerance, settings.corner.to_radians())
 }
 
+/// Traces a scan and makes the blade, with everything that is worth a file. A truth adds its figures.
+///
+/// # Errors
+/// [`LeafError`] as of [`model`].
+pub fn traced(
+    settings: &Settings,
+    picture: &Picture,
+    truth: Option<&Truth>,
+    limits: &Limits,
+) -> Result<(Traced, Figures), LeafError> {
+    limits.allow(Limit::Vertices, "leaf.vertices", f64::from(settings.vertices))?;
+    let trace = trace(settings, picture, limits)?;
+    let settings = outlined(settings, &trace);
+    let pictures = Pictures { picture: Some(picture), ..Pictures::default() };
+    let (blade, mut figures) = blade(&settings, pictures, Some(&trace))?;
+    if let Some(truth) = truth {
+        figures = truth.compared(&trace, &blade, figures);
+    }
+    let settings = Settings { mask: Some(MASK.to_owned()), texture: Some(TEXTURE.to_owned()), ..settings };
+    Ok((Traced { settings, trace, blade }, figures))
+}
+
 /// Makes the blade.
 ///
 /// # Errors
 /// [`LeafError`] when there is no outline, it is at fault, the scan cannot be traced, or a limit refuses it.
 pub fn model(settings: &Settings, pictures: Pictures, limits: &Limits) -> Result<(Blade, Figures), LeafError> {
     limits.allow(Limit::Vertices, "leaf.vertices", f64::from(settings.vertices))?;
-    let trace = pictures.picture.map(|picture| trace(settings, picture, limits)).transpose()?;
-    let keys = keys(settings, trace.as_ref())?;
-    let spline = Spline::through(&keys, settings.corner.to_radians());
-    let outline = dense(&spline, settings.length * 1e-3);
-    let mesh = remesh::evened(&outline, settings.vertices as usize, settings.iterations)?;
-    let figures = figures(&mesh, &outline, keys.len(), trace.as_ref());
-    let veins = veins::grown(&outline, settings.venation);
-    let mut flat = laid_out(&mesh);
-    flat.greys = match pictures.mask {
-        Some(picture) => flat.uvs.iter().map(|uv| scan::grey_at(picture, *uv)).collect(),
-        None => mask::greys(&flat, &outline, &veins),
-    };
-    let scan = match (pictures.picture, &trace) {
-        (Some(picture), Some(trace)) => Some(scan::laid_out(picture, trace, &flat)),
-        _ => None,
-    };
-    Ok((Blade { mesh: flat, outline, veins, scan }, figures))
+    match pictures.picture {
+        Some(picture) => {
+            let trace = trace(settings, picture, limits)?;
+            blade(&outlined(settings, &trace), pictures, Some(&trace))
+        }
+        None => blade(settings, pictures, None),
+    }
 }
 
-/// Key points in metres, counter-clockwise, the joint first.
-fn keys(settings: &Settings, trace: Option<&Trace>) -> Result<Vec<DVec2>, LeafError> {
-    let length = settings.length * 1e-3;
-    if let Some(trace) = trace {
-        let points: Vec<[f64; 2]> = trace.keys.iter().map(|&p| trace.pose.plane(p).into()).collect();
-        return Ok(outline::cleaned(&points, length));
+/// A picture of a blade by its texture coordinates.
+#[must_use]
+pub fn chart(chart: Chart, blade: &Blade) -> Picture {
+    chart::drawn(chart, blade)
+}
+
+/// What was made of a scan, side by side.
+#[must_use]
+pub fn preview(picture: &Picture, traced: &Traced) -> Picture {
+    preview::drawn(picture, &traced.trace, &traced.blade)
+}
+
+/// What a trace leaves for the person to know.
+fn notes(trace: &Trace) -> Vec<String> {
+    let mut notes = Vec::new();
+    if trace.others > 0 {
+        notes.push(format!("{} other leaves lie on the sheet; the largest one was taken", trace.others));
     }
+    notes
+}
+
+/// Settings with the outline that was found in place of the picture, rounded as in a file.
+fn outlined(settings: &Settings, trace: &Trace) -> Settings {
+    let plane = |p: DVec2| -> [f64; 2] { (trace.pose.plane(p) * 1e3).map(file::rounded).into() };
+    let line = |points: &Vec<DVec2>| points.iter().map(|&p| plane(p)).collect::<Vec<_>>();
+    let stalk = trace.petiole.iter().flat_map(|petiole| petiole.line.iter().zip(&petiole.widths));
+    let width = |width: f64| file::rounded(width * trace.pose.scale * 1e3);
+    let station = |(&p, &w): (&DVec2, &f64)| {
+        let [x, y] = plane(p);
+        [x, y, width(w)]
+    };
+    Settings {
+        picture: None,
+        outline: Some(line(&trace.keys)),
+        holes: trace.hole_keys.iter().map(line).collect(),
+        petiole: stalk.map(station).collect(),
+        joint: Some(trace.pose.joint.into()),
+        ..settings.clone()
+    }
+}
+
+/// Makes the blade of an outline; a trace adds what only its picture knows.
+fn blade(settings: &Settings, pictures: Pictures, trace: Option<&Trace>) -> Result<(Blade, Figures), LeafError> {
     if let Some(complaint) = check(settings).into_iter().next() {
         return Err(LeafError::Settings(complaint));
     }
-    let points = settings.outline.as_deref().ok_or(LeafError::Shapeless)?;
-    Ok(outline::cleaned(points, length))
+    let shape = Shape::of(settings)?;
+    let outlines: Vec<Vec<DVec2>> = shape.loops.iter().map(|spline| dense(spline, settings.length * 1e-3)).collect();
+    let mesh = remesh::evened(&outlines[0], settings.vertices as usize, settings.iterations)?;
+    let mut figures = figures(&mesh, &outlines[0], shape.keys.len(), trace);
+    let mut flat = laid_out(&mesh);
+    let scanned = pictures.picture.zip(trace);
+    let veins = veins::grown(&outlines[0], settings.venation);
+    let mask = match pictures.mask {
+        Some(picture) => picture.clone(),
+        None => {
+            let g = mask::greys(&flat, &outlines[0], &veins);
+            let m = g.iter().sum::<f64>() / g.len() as f64;
+            Picture::filled(512, 512, [m as u8, m as u8, m as u8, 255])
+        }
+    };
+    flat.greys = flat.uvs.iter().map(|uv| scan::grey_at(&mask, *uv)).collect();
+    let scan = match (scanned, pictures.texture) {
+        (Some((picture, trace)), _) => Some(scan::laid_out(picture, trace, &flat)),
+        (None, texture) => texture.map(scan::read_back),
+    };
+    let mut outlines = outlines.into_iter();
+    let outline = outlines.next().unwrap_or_default();
+    let Shape { petiole, keys, .. } = shape;
+    let petiole = strip::strip(&petiole);
+    if let Some(strip) = &petiole {
+        figures = figures.with("petiole_mm", strip::length(strip) * 1e3);
+    }
+    let blade = Blade { mesh: flat, outline, holes: outlines.collect(), keys, veins, mask, petiole, scan };
+    Ok((blade, figures))
+}
+
+/// A blade's lines in metres, the joint at the origin.
+struct Shape {
+    /// The outline, counter-clockwise, then the gaps, clockwise.
+    loops: Vec<Spline>,
+    /// The key points of all of them.
+    keys: Vec<DVec2>,
+    /// The petiole's centre line with its widths.
+    petiole: Vec<(DVec2, f64)>,
+}
+
+impl Shape {
+    fn of(settings: &Settings) -> Result<Self, LeafError> {
+        let points = settings.outline.as_deref().ok_or(LeafError::Shapeless)?;
+        let corner = settings.corner.to_radians();
+        let length = settings.length * 1e-3;
+        let scale = outline::scale(points, length);
+        let mut lines = vec![outline::cleaned(points, length)];
+        lines.extend(settings.holes.iter().map(|hole| outline::cleaned_hole(hole, scale)));
+        let stalk = |&[x, y, width]: &[f64; 3]| (DVec2::new(x, y) * scale, width * scale);
+        Ok(Self {
+            petiole: settings.petiole.iter().map(stalk).collect(),
+            loops: lines.iter().map(|keys| Spline::through(keys, corner)).collect(),
+            keys: lines.concat(),
+        })
+    }
 }
 
 /// The spline as a polygon no coarser than a four-hundredth of the blade.

@@ -84,6 +84,21 @@ fn spline_crossing(keys: &[DVec2], corner: f64) -> Option<(usize, usize)> {
     polygon::crossing(&line).map(|(i, j)| (i / CROSSING_SAMPLES, j / CROSSING_SAMPLES))
 }
 
+/// Metres of a unit of an outline whose point farthest from the origin is to lie at `length`.
+pub fn scale(outline: &[[f64; 2]], length: f64) -> f64 {
+    let farthest = outline.iter().map(|p| DVec2::from(*p).norm()).fold(0.0, f64::max);
+    length / farthest.max(f64::MIN_POSITIVE)
+}
+
+/// The keys of a gap, clockwise, in metres.
+pub fn cleaned_hole(hole: &[[f64; 2]], scale: f64) -> Vec<DVec2> {
+    let mut keys = distinct(hole);
+    if polygon::doubled_area(&keys) > 0.0 {
+        keys.reverse();
+    }
+    keys.iter().map(|p| p * scale).collect()
+}
+
 /// The keys counter-clockwise from the one nearest the joint, scaled so that the point farthest from the origin lies at
 /// `length`. A clockwise outline gives the same keys as its reverse.
 pub fn cleaned(outline: &[[f64; 2]], length: f64) -> Vec<DVec2> {

@@ -53,6 +53,15 @@ pub struct Trace {
     pub hausdorff: f64,
     /// How plane and picture lie to each other.
     pub pose: Pose,
+    pub holes: Vec<Vec<DVec2>>,
+    pub hole_keys: Vec<Vec<DVec2>>,
+    pub petiole: Option<Petiole>,
+    pub others: usize,
+}
+#[derive(Clone, Debug, PartialEq)]
+pub struct Petiole {
+    pub line: Vec<DVec2>,
+    pub widths: Vec<f64>,
 }
 
 impl Trace {
@@ -118,7 +127,18 @@ pub fn traced(picture: &Picture, length: f64, tolerance: f64, corner: f64) -> Re
         if polygon::crossing(&line).is_none() {
             let keys = chosen.iter().map(|&i| outline[i]).collect();
             let hausdorff = key_points::distance(&outline, &chosen, &spline);
-            return Ok(Trace { blade: segment.blade, shown: segment.shown, outline, keys, hausdorff, pose });
+            return Ok(Trace {
+                blade: segment.blade,
+                shown: segment.shown,
+                outline,
+                keys,
+                hausdorff,
+                pose,
+                holes: vec![],
+                hole_keys: vec![],
+                petiole: None,
+                others: 0,
+            });
         }
         bound *= 0.5;
     }

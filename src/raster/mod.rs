@@ -128,9 +128,7 @@ fn figures(prepared: &Prepared, squared_error: f64) -> Figures {
     };
     let triangles: u64 = prepared.instances.iter().map(|instance| triangles_of(instance.model)).sum();
     let pixels = u64::from(frame.view.width) * u64::from(frame.view.height);
-    let mut figures = Figures::of(pixels)
-        .with("triangles", triangles)
-        .with("samples", frame.view.samples);
+    let mut figures = Figures::of(pixels).with("triangles", triangles).with("samples", frame.view.samples);
     if frame.view.samples < 2 {
         return figures;
     }

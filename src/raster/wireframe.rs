@@ -1,7 +1,8 @@
 //! The edges of triangles as lines of even width, whatever the distance: what a mesh is made of.
 //!
 //! A line covers a pixel by its distance from the nearest edge as seen in the picture, so lines are smooth at any number of
-//! samples. A triangle that reaches behind the camera has no lines.
+//! samples. They are blended by square roots of light, near to how a display encodes it: a thin dark line blended in linear
+//! light nearly vanishes where it passes between two pixels. A triangle that reaches behind the camera has no lines.
 
 use super::Prepared;
 use super::bins::Item;
@@ -25,7 +26,10 @@ pub(super) fn over(
     let nearest = (0..3).map(|i| distance(at, corners[i], corners[(i + 1) % 3])).fold(f32::INFINITY, f32::min);
     let covered = (lines.width * 0.5 + 0.5 - nearest).clamp(0.0, 1.0).min(lines.width);
     let exposure = prepared.frame.view.exposure;
-    std::array::from_fn(|k| mix(under[k], lines.colour[k] / exposure, covered))
+    std::array::from_fn(|k| {
+        let root = mix(under[k].max(0.0).sqrt(), (lines.colour[k] / exposure).sqrt(), covered);
+        root * root
+    })
 }
 
 /// Where the corners of a triangle lie in the picture, pixels.

@@ -29,8 +29,11 @@ pub fn file(path: &Path) -> Result<(), Diagnostics> {
     files::check(path).map_err(|error| fault::written(&error))
 }
 
-/// Whether the folder for the frames is there or could be made.
-fn folder(out: &Path) -> Result<(), Diagnostics> {
+/// Whether a folder for output is there or could be made.
+///
+/// # Errors
+/// Something else has its name, or that of a folder above it.
+pub fn folder(out: &Path) -> Result<(), Diagnostics> {
     let there = out.ancestors().find(|path| std::fs::symlink_metadata(path).is_ok());
     match there.filter(|path| !path.is_dir()) {
         Some(path) => {

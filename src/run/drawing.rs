@@ -17,7 +17,7 @@ use crate::frame::Frame;
 use crate::plan::{self, PlannedFrame};
 use crate::raster;
 use crate::report::{FrameReport, Report};
-use crate::scene::{Scene, output::Gltf};
+use crate::scene::{Scene, camera::Subject, output::Gltf};
 use crate::season::LeafStates;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -162,7 +162,9 @@ impl<'a> Run<'a> {
             let layout = scene.output.gltf;
             let worn = states.as_ref().map_or_else(Vec::new, |states| plan::garments(scene, stand, states));
             let frame = timed(&mut self.report, "compose", || {
-                let frame = stock.frame(scene, stand, &worn);
+                let trees = stock.frame(scene, stand, &worn);
+                let leaf = (scene.camera.subject == Subject::Leaf).then(|| stock.specimen(scene, &worn, &trees));
+                let frame = leaf.flatten().unwrap_or(trees);
                 let instances = frame.instances.len() as u64;
                 Ok::<_, Diagnostics>((frame, Figures::of(instances)))
             })?;
@@ -248,7 +250,8 @@ impl<'a> Run<'a> {
             }
             if self.options.states.is_some() {
                 let when = (index, cell.scene.time.at(index));
-                let of_sheet = self.scene.sheet_column().map(|_| self.scene.seeds.get(number).copied().unwrap_or(number as u64));
+                let of_sheet =
+                    self.scene.sheet_column().map(|_| self.scene.seeds.get(number).copied().unwrap_or(number as u64));
                 states_file::append(&mut self.states_text, when, &cell.stand, states, of_sheet);
             }
         }

@@ -7,6 +7,7 @@ pub mod fault;
 pub mod files;
 pub mod frame_list;
 mod growth;
+pub mod leaf;
 mod leaf_states;
 pub mod manifest;
 pub mod memory;
@@ -139,12 +140,7 @@ pub fn render(
     let start = Instant::now();
     let frames = asked(scene, options)?;
     destination::check(scene, &options.out, options.states.as_deref())?;
-    let mut report = Report {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        scene: scene.name.clone(),
-        threads: rayon::current_num_threads() as u64,
-        ..Report::default()
-    };
+    let mut report = Report::begun(&scene.name);
     let names = Names::new(scene);
     let scene_hash = manifest::hash(scene.resolved().to_string().as_bytes());
     let key = |frame: i64| Key { build: manifest::BUILD.to_owned(), scene: scene_hash.clone(), frame };

@@ -6,22 +6,20 @@ use super::stopwatch::timed;
 use crate::base::blade::Blade;
 use crate::base::diagnostic::Diagnostics;
 use crate::base::figures::Figures;
-use crate::base::limits::{Limit, Limits};
+use crate::base::limits::Limits;
 use crate::base::mesh::Mesh;
 use crate::base::picture::Picture;
 use crate::colour::{self, Painted};
 use crate::compose::{Form, Garment, Wardrobe, blade_area};
 use crate::deform;
-use crate::leaf::{self, Pictures};
+use crate::leaf::{self, Chart, Pictures};
 use crate::plan;
 use crate::report::Report;
+use crate::scene::image::Leaves;
 use crate::scene::{self, Scene, Species, Standing};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-
-/// Memory for each pixel of a scan while it is traced, bytes (measured: 27).
-const TRACED_BYTES: f64 = 32.0;
 
 /// An item of a stage: a state's number and a variant's.
 type Item = (u16, u32);
@@ -50,10 +48,11 @@ pub fn wardrobe(prepared: &Prepared, limits: &Limits, report: &mut Report) -> Re
         leaf_area = leaf_area.map(|sum| sum + stand.standing().map(area_of).sum::<f64>());
         let shapes = tailor.shapes(&blade)?;
         let textures = if plan.has("colour") { tailor.textures(&blade) } else { BTreeMap::new() };
+        let chart = chart(scene.image.leaves).map(|chart| Arc::new(charted(chart, &blade)));
         for garment in &garments {
             let item = |count: u32| (garment.state, garment.variant % count.max(1));
             wardrobe.shapes.insert(*garment, shapes[&item(species.deform.shapes)].clone());
-            if let Some(painted) = textures.get(&item(species.colour.variants)) {
+            if let Some(painted) = textures.get(&item(species.colour.variants)).or(chart.as_ref()) {
                 wardrobe.textures.insert(*garment, painted.clone());
             }
         }
@@ -73,6 +72,23 @@ fn note_leaf_area(leaves: usize, area: f64, report: &mut Report) {
         report.note("tree", "leaf_area_index", index);
         report.note("tree", "mean_blade_area_cm2", area / leaves as f64 * 1e4);
     }
+}
+
+/// The chart that leaves show in place of their colours.
+fn chart(leaves: Leaves) -> Option<Chart> {
+    match leaves {
+        Leaves::Lit | Leaves::White => None,
+        Leaves::Mask => Some(Chart::Mask),
+        Leaves::Outline => Some(Chart::Outline),
+        Leaves::Veins => Some(Chart::Veins),
+    }
+}
+
+/// A chart as an opaque texture.
+fn charted(chart: Chart, blade: &Blade) -> Painted {
+    let picture = leaf::chart(chart, blade);
+    let reflected: Vec<[u8; 3]> = picture.pixels.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
+    Painted { size: picture.width, transmitted: vec![[0; 3]; reflected.len()], reflected }
 }
 
 /// Makes what leaves of one species wear.
@@ -102,13 +118,12 @@ impl Tailor<'_> {
             let asset = species.assets.get(key);
             asset.map(|asset| scene::read_picture(asset, limits)).transpose().map_err(Diagnostics::from)
         };
-        let (picture, mask) = (read("leaf.picture")?, read("leaf.mask")?);
+        let (picture, mask, texture) = (read("leaf.picture")?, read("leaf.mask")?, read("leaf.texture")?);
         if let Some(picture) = &picture {
-            let wanted = f64::from(picture.width) * f64::from(picture.height) * TRACED_BYTES;
-            let allowed = limits.allow(Limit::Memory, "leaf.picture", wanted);
+            let allowed = super::leaf::allow(picture, limits);
             allowed.map_err(|refusal| fault::refused(&species.places, "leaf.picture", &refusal))?;
         }
-        let pictures = Pictures { picture: picture.as_ref(), mask: mask.as_ref() };
+        let pictures = Pictures { picture: picture.as_ref(), mask: mask.as_ref(), texture: texture.as_ref() };
         self.timed("leaf", || leaf::model(&species.leaf, pictures, limits))
             .map_err(|error| fault::leaf(species, &error))
     }

@@ -1,11 +1,24 @@
 //! Where the picture is taken from.
 
 use crate::base::settings::Complaint;
-use crate::settings;
+use crate::{choice, settings};
+
+choice! {
+    /// What the camera looks at.
+    pub enum Subject {
+        /// The trees.
+        Trees = "trees",
+        /// A leaf by itself before a plain ground, the one that most leaves look like: upright, its upper side to the
+        /// camera. Places are relative to its joint.
+        Leaf = "leaf",
+    }
+}
 
 settings! {
     /// The camera. Without a position it stands where the whole tree is seen, its eye 1.6 m above the ground.
     pub struct Camera {
+        /// What is in the picture: "trees", or "leaf" for the one that most leaves look like, upright before a plain ground.
+        subject: Subject = Subject::Trees;
         /// Where the eye stands: x to the right, y up, z towards the default camera; the tree's foot is the origin. Fitted to the
         /// tree when absent.
         position: Option<[f64; 3]> = None, unit "m", range -1e5 => 1e5;

@@ -9,8 +9,7 @@ const ALTERNATIVES: [(&str, &[&[&str]]); 2] =
 
 /// Ways to give a blade, and what belongs to the one that was given: another blade takes all of it away.
 const BLADES: [&str; 3] = ["outline", "picture", "file"];
-const OF_A_BLADE: [&str; 9] =
-    ["outline", "corners", "holes", "petiole", "joint", "picture", "file", "mask", "texture"];
+const OF_A_BLADE: [&str; 9] = ["outline", "holes", "petiole", "veins", "joint", "picture", "file", "mask", "texture"];
 
 /// What describes growth: an L-system of the scene's own takes all of it away from the species, whose constants and age
 /// belong to other rules.

@@ -16,6 +16,7 @@ pub mod ground;
 pub mod image;
 mod json_schema;
 mod layers;
+mod leaf_arguments;
 pub mod light;
 pub mod output;
 mod places;
@@ -30,6 +31,7 @@ pub mod time;
 
 pub use asset::{Asset, locate, read_picture};
 pub use json_schema::json_schema;
+pub use leaf_arguments::leaf_settings;
 pub use light::Light;
 pub use places::Places;
 pub use planting::{Planted, Standing};

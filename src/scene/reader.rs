@@ -110,7 +110,8 @@ impl Reader<'_> {
         for (number, cell) in cells.into_iter().enumerate() {
             self.places.clone_from(&places);
             let begin = format!("cells.{number}.");
-            let own = places.iter().filter_map(|(key, place)| Some((key.strip_prefix(&begin)?.to_owned(), place.clone())));
+            let own =
+                places.iter().filter_map(|(key, place)| Some((key.strip_prefix(&begin)?.to_owned(), place.clone())));
             self.places.extend(own);
             let mut layered = above.clone();
             layers::lay(&mut layered, cell);
