@@ -5,6 +5,7 @@
 //! to the rasteriser is taken within a round. Everything runs on one thread but what says otherwise.
 
 mod crown;
+mod timing;
 
 use leafseason::base::blade::Blade;
 use leafseason::base::limits::Limits;
@@ -19,22 +20,12 @@ use leafseason::run::{self, Options};
 use leafseason::scene::{self, Scene, Species};
 use leafseason::season::LeafStates;
 use leafseason::{colour, deform, export, leaf, raster, season, tree};
-use rayon::{ThreadPool, ThreadPoolBuilder};
-use std::hint::black_box;
 use std::path::Path;
 use std::sync::Arc;
-use std::time::Instant;
+use timing::{Case, case, consume, report, timed};
 
-const ROUNDS: usize = 7;
 /// What ratios are taken to.
 const UNIT: &str = "raster";
-
-/// One thing that is timed.
-struct Case<'a> {
-    name: &'static str,
-    threads: usize,
-    work: Box<dyn Fn() + Sync + 'a>,
-}
 
 /// A scene with everything that its stages need from one another.
 struct Inputs {
@@ -51,16 +42,12 @@ struct Inputs {
 }
 
 fn main() {
-    let rounds = std::env::args().skip(1).find_map(|argument| argument.parse().ok()).unwrap_or(ROUNDS).max(1);
+    let rounds = timing::rounds();
     let inputs = Inputs::new(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/maple.toml"));
-    report("scenes/maple.toml", &timed(&inputs.cases(), rounds));
+    report("scenes/maple.toml", UNIT, &timed(&inputs.cases(), rounds));
     let frame = crown::frame();
     let draw = |name, threads| Case { name, threads, work: Box::new(|| consume(raster::draw(&frame))) };
-    report(&crown::described(&frame), &timed(&[draw(UNIT, 1), draw("raster", 2)], rounds));
-}
-
-fn consume<T>(made: T) {
-    black_box(made);
+    report(&crown::described(&frame), UNIT, &timed(&[draw(UNIT, 1), draw("raster", 2)], rounds));
 }
 
 impl Inputs {
@@ -111,10 +98,6 @@ impl Inputs {
     }
 }
 
-fn case<'a>(name: &'static str, work: impl Fn() + Sync + 'a) -> Case<'a> {
-    Case { name, threads: 1, work: Box::new(work) }
-}
-
 fn states(scene: &Scene, ids: &[u64]) -> LeafStates {
     season::assign(&scene.species[0].season, &scene.climate, scene.seed, ids, scene.time.at(0)).0
 }
@@ -147,53 +130,5 @@ fn wardrobe(scene: &Scene, states: Vec<String>, worn: &[Garment], shapes: &[Mesh
         shapes: worn.iter().map(|g| (*g, Arc::new(shapes[place(g, species.deform.shapes)].clone()))).collect(),
         textures: worn.iter().map(|g| (*g, Arc::new(textures[place(g, species.colour.variants)].clone()))).collect(),
         states,
-    }
-}
-
-/// The name of a case and its times, seconds, a round each.
-struct Times {
-    name: String,
-    seconds: Vec<f64>,
-}
-
-/// Times all cases in turn, round after round, after one round that is not counted.
-fn timed(cases: &[Case<'_>], rounds: usize) -> Vec<Times> {
-    let pool = |case: &Case| ThreadPoolBuilder::new().num_threads(case.threads).build().expect("threads");
-    let pools: Vec<ThreadPool> = cases.iter().map(pool).collect();
-    let name = |case: &Case| match case.threads {
-        1 => case.name.to_owned(),
-        threads => format!("{}, {threads} threads", case.name),
-    };
-    let mut times: Vec<Times> = cases.iter().map(|case| Times { name: name(case), seconds: Vec::new() }).collect();
-    for round in 0..=rounds {
-        for ((case, pool), times) in cases.iter().zip(&pools).zip(&mut times) {
-            let start = Instant::now();
-            pool.install(&case.work);
-            if round > 0 {
-                times.seconds.push(start.elapsed().as_secs_f64());
-            }
-        }
-    }
-    times
-}
-
-/// Lower quartile, median and upper quartile, interpolated between neighbours.
-fn quartiles(values: &[f64]) -> [f64; 3] {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    [0.25, 0.5, 0.75].map(|share| {
-        let place = share * (sorted.len() - 1) as f64;
-        let (low, high) = (sorted[place.floor() as usize], sorted[place.ceil() as usize]);
-        low + (high - low) * place.fract()
-    })
-}
-
-fn report(what: &str, times: &[Times]) {
-    let unit = times.iter().find(|times| times.name == UNIT).expect("the rasteriser");
-    println!("\n{what}: {} rounds; median (quartiles) of seconds, and of ratios to {UNIT}", unit.seconds.len());
-    for Times { name, seconds } in times {
-        let ratios: Vec<f64> = seconds.iter().zip(&unit.seconds).map(|(own, unit)| own / unit).collect();
-        let ([low, middle, high], [ratio_low, ratio, ratio_high]) = (quartiles(seconds), quartiles(&ratios));
-        println!("{name:<18} {middle:>9.4} s ({low:.4} to {high:.4}) {ratio:>9.4} ({ratio_low:.4} to {ratio_high:.4})");
     }
 }

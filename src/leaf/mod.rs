@@ -53,6 +53,16 @@ choice! {
     }
 }
 
+choice! {
+    /// How a blade is cut into triangles.
+    pub enum Meshing {
+        /// Triangles of even size, by rounds of relocation and reconnection.
+        Even = "even",
+        /// The constrained Delaunay triangulation of the points on the outline alone, long and narrow triangles and all.
+        Delaunay = "delaunay",
+    }
+}
+
 settings! {
     /// A vein of a blade.
     pub struct VeinLine {
@@ -94,6 +104,8 @@ settings! {
         length: f64 = 75.0, unit "mm", range 1.0 => 2000.0;
         /// How the veins are laid out when they are drawn from the outline.
         venation: Venation = Venation::Auto;
+        /// How the blade is cut into triangles.
+        meshing: Meshing = Meshing::Even;
         /// Vertices of the mesh.
         vertices: u32 = 220, range 12 => 20000;
         /// Most rounds of relocation and reconnection after triangulation; they end when the triangles have settled.

@@ -3,20 +3,28 @@
 use leafseason::base::maths::{cos, sincos};
 use leafseason::base::picture::Picture;
 
-/// Pixels along a side of the scan.
-pub const SIDE: u32 = 640;
+/// Places are of a scan of this many pixels along a side.
+const SIDE: f64 = 640.0;
 const JOINT: [f64; 2] = [300.0, 470.0];
 const LENGTH: f64 = 400.0;
 
 /// How the scan is taken.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 pub struct Scan {
+    /// Pixels along a side.
+    pub side: u32,
     /// A gap is seen through the blade.
     pub hole: bool,
     /// Another, smaller leaf lies on the sheet.
     pub second: bool,
-    /// How far the leaf is moved to the right, pixels.
+    /// How far the leaf is moved to the right, 640ths of the side.
     pub shift: f64,
+}
+
+impl Default for Scan {
+    fn default() -> Self {
+        Self { side: 640, hole: false, second: false, shift: 0.0 }
+    }
 }
 
 /// The outline: five lobes with teeth about a point above the joint, counter-clockwise in the picture's pixels.
@@ -26,7 +34,9 @@ pub fn outline(scan: Scan) -> Vec<[f64; 2]> {
         let lobes = 0.70 + 0.24 * cos(5.0 * angle) + 0.035 * cos(35.0 * angle);
         let (sine, cosine) = sincos(angle);
         let radius = 0.5 * LENGTH * lobes;
-        [JOINT[0] + scan.shift + radius * sine, JOINT[1] - 0.47 * LENGTH * 0.5 - radius * cosine]
+        let unit = f64::from(scan.side) / SIDE;
+        let place = [JOINT[0] + scan.shift + radius * sine, JOINT[1] - 0.47 * LENGTH * 0.5 - radius * cosine];
+        place.map(|x| x * unit)
     };
     (0..1440).map(point).collect()
 }
@@ -41,10 +51,11 @@ fn inside(line: &[[f64; 2]], x: f64, y: f64) -> bool {
 
 /// The scan: cream paper that is darker on one side, a green blade with pale main veins, a stalk of 5 pixels.
 pub fn painted(scan: Scan) -> Picture {
-    let line = outline(scan);
+    let line = outline(Scan { side: SIDE as u32, ..scan });
+    let (side, unit) = (scan.side, SIDE / f64::from(scan.side));
     let centre = [JOINT[0] + scan.shift, JOINT[1] - 0.47 * LENGTH * 0.5];
     let colour = |x: f64, y: f64| -> [f64; 3] {
-        let shade = 1.0 - 0.1 * x / f64::from(SIDE);
+        let shade = 1.0 - 0.1 * x / SIDE;
         let paper = [238.0 * shade, 230.0 * shade, 214.0 * shade];
         let (dx, dy) = (x - centre[0], y - centre[1]);
         if scan.hole && (dx - 50.0) * (dx - 50.0) / 400.0 + (dy + 40.0) * (dy + 40.0) / 900.0 < 1.0 {
@@ -65,15 +76,12 @@ pub fn painted(scan: Scan) -> Picture {
     let pixel = |i: u32| {
         let mut sum = [0.0; 3];
         for tap in 0..4 {
-            let (x, y) = (
-                f64::from(i % SIDE) + 0.25 + 0.5 * f64::from(tap % 2),
-                f64::from(i / SIDE) + 0.25 + 0.5 * f64::from(tap / 2),
-            );
-            let c = colour(x, y);
+            let place = |cell: u32, tap: u32| (f64::from(cell) + 0.25 + 0.5 * f64::from(tap)) * unit;
+            let c = colour(place(i % side, tap % 2), place(i / side, tap / 2));
             sum.iter_mut().zip(c).for_each(|(total, c)| *total += c / 4.0);
         }
         let [r, g, b] = sum.map(|c| (c + 0.5) as u8);
         [r, g, b, 255]
     };
-    Picture { width: SIDE, height: SIDE, pixels: (0..SIDE * SIDE).map(pixel).collect() }
+    Picture { width: side, height: side, pixels: (0..side * side).map(pixel).collect() }
 }
