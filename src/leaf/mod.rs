@@ -3,11 +3,16 @@
 //! Sections 3 and 4.2 of Tang, Wu and Fan 2013. Where the paper asks a user, this decides: key points by an error bound in
 //! pixels, the mask from veins, margin, tips and petiole. It does not bend the leaf, paint it, or read files.
 
+mod border;
 mod contour;
+mod contrast;
+mod gaps;
 mod grid;
 mod key_points;
+mod lab;
 mod mask;
 mod outline;
+mod petiole;
 mod polygon;
 mod quality;
 mod remesh;
@@ -17,6 +22,7 @@ mod segmentation;
 mod spline;
 mod trace;
 mod triangulation;
+mod two_colours;
 mod veins;
 
 use crate::base::blade::Blade;
@@ -27,6 +33,7 @@ use crate::base::picture::Picture;
 use crate::base::settings::Complaint;
 use crate::base::vector::DVec2;
 use crate::{choice, settings};
+pub use petiole::Petiole;
 use remesh::Remesh;
 use spline::Spline;
 use thiserror::Error;

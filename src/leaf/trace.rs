@@ -105,11 +105,11 @@ fn windings(polygon: &[[f64; 2]], y: f64) -> Vec<(f64, i32)> {
 /// [`LeafError::Picture`] when there is no leaf, or its outline cannot be followed.
 pub fn traced(picture: &Picture, length: f64, tolerance: f64, corner: f64) -> Result<Trace, LeafError> {
     let segment = segmented(picture)?;
-    let outline = contour::outlined(&segment.blade);
+    let outline = contour::outlined(&segment.blade).into_iter().next().unwrap_or_default();
     if outline.len() < 16 {
         return Err(LeafError::picture("the leaf is too small in the picture"));
     }
-    let pose = posed(&segment.blade, &outline, segment.joint, length);
+    let pose = posed(&segment.blade, &outline, segment.petiole.as_ref().map(|p| p.line[0]), length);
     let mut bound = tolerance;
     for _ in 0..4 {
         let chosen = key_points::chosen(&outline, bound, corner);

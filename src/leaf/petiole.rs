@@ -1,0 +1,136 @@
+//! The petiole: the long thin part of a leaf that keeps its width, where the tip of a lobe or a tooth runs to a point. It is
+//! what an opening takes away; its centre line and widths come from how far each of its cells lies from the blade.
+
+use crate::base::vector::DVec2;
+use crate::leaf::grid::Grid;
+
+/// Radius of the opening, share of the square root of the leaf's area.
+const RADIUS: f64 = 0.025;
+/// A part is long from this many radii on.
+const LONG: f64 = 4.0;
+/// Mean width of a petiole's outer half, at least this share of its inner half's.
+const PARALLEL: f64 = 0.55;
+/// Near the blade a petiole begins where it is at most this many times as wide as farther out.
+const FLARE: f64 = 1.5;
+/// Steps between two points of the centre line, cells.
+const STEP: usize = 4;
+
+/// The petiole that was cut from a blade.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Petiole {
+    /// The centre line from the joint outward, a point every few pixels; pixels.
+    pub line: Vec<DVec2>,
+    /// Width at each point of the line, pixels.
+    pub widths: Vec<f64>,
+}
+
+impl Petiole {
+    /// Length of the centre line, pixels.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.line.windows(2).map(|w| (w[1] - w[0]).norm()).sum()
+    }
+}
+
+/// The leaf without its petiole, and the petiole.
+pub fn cut(leaf: &Grid<bool>) -> (Grid<bool>, Option<Petiole>) {
+    let radius = (RADIUS * (leaf.area() as f64).sqrt()).max(2.0);
+    let core = leaf.opened(radius).largest_part();
+    let thin = leaf.joined(&core, |leaf, core| leaf && !core);
+    let (labels, count) = thin.parts();
+    let strands = strands(&labels, count, &core);
+    let petioles = strands.iter().filter(|s| s.length() > LONG * radius && s.is_parallel());
+    let longest = petioles.max_by(|a, b| a.length().total_cmp(&b.length()).then(b.cells[0].cmp(&a.cells[0])));
+    let Some(petiole) = longest else { return (leaf.clone(), None) };
+    let mut blade = leaf.clone();
+    let (start, line, widths) = petiole.beyond_flare();
+    for (rank, &cell) in petiole.cells.iter().enumerate() {
+        blade.cells[cell] = petiole.levels[rank] < start;
+    }
+    (blade.largest_part(), Some(Petiole { line, widths }))
+}
+
+/// A thin part: its cells in the order of their steps from the core.
+struct Strand {
+    cells: Vec<usize>,
+    /// Steps from the core, from 0.
+    levels: Vec<usize>,
+    /// Middles of the bands of `STEP` levels.
+    line: Vec<DVec2>,
+    /// Cells of each band for each pixel of the line's way through it.
+    widths: Vec<f64>,
+}
+
+/// The thin parts that hang on the core.
+fn strands(labels: &Grid<u32>, count: u32, core: &Grid<bool>) -> Vec<Strand> {
+    let mut seeds: Vec<Vec<usize>> = vec![Vec::new(); count as usize + 1];
+    for (cell, &label) in labels.cells.iter().enumerate().filter(|(_, label)| **label != 0) {
+        if core.neighbours(cell).any(|n| core.cells[n]) {
+            seeds[label as usize].push(cell);
+        }
+    }
+    let mut seen = labels.map(|label| label == 0);
+    seeds.into_iter().filter(|seeds| !seeds.is_empty()).map(|seeds| Strand::grown(seeds, &mut seen)).collect()
+}
+
+impl Strand {
+    fn grown(seeds: Vec<usize>, seen: &mut Grid<bool>) -> Self {
+        let mut levels = vec![0; seeds.len()];
+        let mut cells = seeds;
+        cells.iter().for_each(|&cell| seen.cells[cell] = true);
+        let mut rank = 0;
+        while rank < cells.len() {
+            for next in seen.neighbours(cells[rank]) {
+                if !seen.cells[next] {
+                    seen.cells[next] = true;
+                    cells.push(next);
+                    levels.push(levels[rank] + 1);
+                }
+            }
+            rank += 1;
+        }
+        let (line, widths) = profile(&cells, &levels, seen.width);
+        Self { cells, levels, line, widths }
+    }
+
+    fn length(&self) -> f64 {
+        self.line.windows(2).map(|w| (w[1] - w[0]).norm()).sum()
+    }
+
+    /// Mean width of the bands from one share of the length to another.
+    fn width(&self, from: f64, to: f64) -> f64 {
+        let rank = |share: f64| (share * self.widths.len() as f64) as usize;
+        let (from, to) = (rank(from), rank(to).max(rank(from) + 1).min(self.widths.len()));
+        let part = &self.widths[from.min(to - 1)..to];
+        part.iter().sum::<f64>() / part.len() as f64
+    }
+
+    fn is_parallel(&self) -> bool {
+        self.width(0.55, 0.9) > PARALLEL * self.width(0.2, 0.55)
+    }
+
+    /// The level where the petiole begins, and its centre line and widths from there on.
+    fn beyond_flare(&self) -> (usize, Vec<DVec2>, Vec<f64>) {
+        let usual = self.width(0.25, 0.75);
+        let first = self.widths.iter().position(|&w| w < FLARE * usual).unwrap_or(0);
+        (first * STEP, self.line[first..].to_vec(), self.widths[first..].to_vec())
+    }
+}
+
+/// Middles and widths of the bands of a strand.
+fn profile(cells: &[usize], levels: &[usize], columns: usize) -> (Vec<DVec2>, Vec<f64>) {
+    let bands = levels.last().map_or(0, |last| last / STEP + 1);
+    let mut sums = vec![(DVec2::zeros(), 0.0); bands];
+    for (&cell, &level) in cells.iter().zip(levels) {
+        let sum = &mut sums[level / STEP];
+        sum.0 += DVec2::new((cell % columns) as f64 + 0.5, (cell / columns) as f64 + 0.5);
+        sum.1 += 1.0;
+    }
+    let line: Vec<DVec2> = sums.iter().map(|(sum, count)| sum / *count).collect();
+    let pace = |band: usize| {
+        let (low, high) = (band.saturating_sub(1), (band + 1).min(bands - 1));
+        ((line[high] - line[low]).norm() / (high - low).max(1) as f64).max(1.0)
+    };
+    let widths = (0..bands).map(|band| sums[band].1 / pace(band)).collect();
+    (line, widths)
+}
