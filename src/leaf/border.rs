@@ -4,7 +4,7 @@ use crate::leaf::LeafError;
 use crate::leaf::grid::Grid;
 
 /// Width of a petiole, share of the square root of the leaf's area: a longer contact with the border is looked at.
-const PETIOLE: f64 = 0.05;
+const PETIOLE: f64 = 0.07;
 /// Share of the square root of the area that may be missing beyond a border that a blade meets at a tangent.
 const MISSING: f64 = 0.01;
 
@@ -14,6 +14,7 @@ const MISSING: f64 = 0.01;
 /// [`LeafError::Picture`] naming the side.
 pub fn whole(blade: &Grid<bool>) -> Result<(), LeafError> {
     let size = (blade.area() as f64).sqrt();
+    let least = blade.width.min(blade.height);
     for side in ["left", "right", "top", "bottom"] {
         let line = |depth: usize| -> Vec<bool> {
             let (last_row, last_column) = (blade.height - 1 - depth, blade.width - 1 - depth);

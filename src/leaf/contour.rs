@@ -8,8 +8,8 @@ const RIM: usize = 4;
 const NONE: u32 = u32::MAX;
 
 /// The closed half-level lines of a mask, the longest first (of equals the first from the top), in pixels with the centre of
-/// the top left pixel at (0.5, 0.5). Seen with rows running down, the mask lies to the right of a line: an outline runs
-/// clockwise and has a positive [`crate::leaf::polygon::doubled_area`], the rim of a hole runs counter-clockwise.
+/// the top left pixel at (0.5, 0.5). Seen with rows running down, the mask lies to the left of a line: an outline runs
+/// counter-clockwise and has a negative [`crate::leaf::polygon::doubled_area`], the rim of a hole runs clockwise.
 pub fn outlined(mask: &Grid<bool>) -> Vec<Vec<DVec2>> {
     let field = blurred(&mask.padded(RIM));
     let next = links(&field);
@@ -100,7 +100,7 @@ mod tests {
         for p in line {
             assert!(((p - DVec2::new(40.0, 35.0)).norm() - 30.0).abs() < 0.5, "{p}");
         }
-        let area = polygon::doubled_area(line) / 2.0;
+        let area = polygon::doubled_area(line) / -2.0;
         assert!((area / (900.0 * std::f64::consts::PI) - 1.0).abs() < 5e-3, "{area}");
     }
 }

@@ -19,6 +19,8 @@ const BINS: usize = 2048;
 pub struct Contrast {
     /// Factors of L, a and b before distances are taken.
     pub weights: [f32; 3],
+    /// Otsu's threshold, Lab units.
+    pub threshold: f32,
     /// Weighted distance from the background's colour over twice the threshold: more than 0.5 is leaf.
     pub level: Grid<f32>,
 }
@@ -43,7 +45,7 @@ pub fn contrast(lab: &Grid<[f32; 3]>) -> Result<Contrast, LeafError> {
         ));
     }
     let threshold = otsu(&clipped(&counts, top));
-    Ok(Contrast { weights, level: far.map(|d| 0.5 * d / threshold) })
+    Ok(Contrast { weights, threshold, level: far.map(|d| 0.5 * d / threshold) })
 }
 
 /// Weighted distance of two colours.

@@ -20,6 +20,7 @@ mod ring;
 mod scan;
 mod segmentation;
 mod spline;
+mod symmetry;
 mod trace;
 mod triangulation;
 mod two_colours;

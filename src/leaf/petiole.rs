@@ -3,15 +3,20 @@
 
 use crate::base::vector::DVec2;
 use crate::leaf::grid::Grid;
+use crate::leaf::symmetry::Symmetry;
 
 /// Radius of the opening, share of the square root of the leaf's area.
-const RADIUS: f64 = 0.025;
+const RADIUS: f64 = 0.035;
 /// A part is long from this many radii on.
-const LONG: f64 = 4.0;
+const LONG: f64 = 1.5;
 /// Mean width of a petiole's outer half, at least this share of its inner half's.
 const PARALLEL: f64 = 0.55;
 /// Near the blade a petiole begins where it is at most this many times as wide as farther out.
 const FLARE: f64 = 1.5;
+/// A strand is the end of a petiole folded over the blade, not its beginning, if the blade is less symmetric about the line
+/// from it than this share of the best, unless it is longer than so many radii.
+const SYMMETRIC: f64 = 0.93;
+const FAR: f64 = 4.0;
 /// Steps between two points of the centre line, cells.
 const STEP: usize = 4;
 
@@ -32,22 +37,30 @@ impl Petiole {
     }
 }
 
-/// The leaf without its petiole, and the petiole.
-pub fn cut(leaf: &Grid<bool>) -> (Grid<bool>, Option<Petiole>) {
+/// The leaf without its petiole, and the petiole. `wide` is the leaf with all that hangs on it and is not paper: it is asked
+/// when the leaf itself has no petiole.
+pub fn cut(leaf: &Grid<bool>, wide: &Grid<bool>) -> (Grid<bool>, Option<Petiole>) {
     let radius = (RADIUS * (leaf.area() as f64).sqrt()).max(2.0);
-    let core = leaf.opened(radius).largest_part();
-    let thin = leaf.joined(&core, |leaf, core| leaf && !core);
-    let (labels, count) = thin.parts();
-    let strands = strands(&labels, count, &core);
-    let petioles = strands.iter().filter(|s| s.length() > LONG * radius && s.is_parallel());
-    let longest = petioles.max_by(|a, b| a.length().total_cmp(&b.length()).then(b.cells[0].cmp(&a.cells[0])));
-    let Some(petiole) = longest else { return (leaf.clone(), None) };
+    let symmetry = Symmetry::of(leaf);
+    let best = symmetry.along(symmetry.best());
+    let folded = |strand: &Strand| {
+        let axis = (strand.line[0] - symmetry.centre).try_normalize(0.0).unwrap_or_else(DVec2::y);
+        symmetry.along(axis) < SYMMETRIC * best && strand.length() < FAR * radius
+    };
     let mut blade = leaf.clone();
-    let (start, line, widths) = petiole.beyond_flare();
-    for (rank, &cell) in petiole.cells.iter().enumerate() {
-        blade.cells[cell] = petiole.levels[rank] < start;
+    let mut longest: Option<Strand> = None;
+    for whole in [leaf, wide] {
+        if longest.as_ref().is_some_and(|s| s.length() > FAR * radius) {
+            break;
+        }
+        for strand in strands(whole, radius).into_iter().filter(|s| s.is_petiole(radius)) {
+            strand.beyond_flare().for_each(|cell| blade.cells[cell] = false);
+            if !folded(&strand) && longest.as_ref().is_none_or(|s| s.length() < strand.length()) {
+                longest = Some(strand);
+            }
+        }
     }
-    (blade.largest_part(), Some(Petiole { line, widths }))
+    (blade.largest_part(), longest.map(Strand::into_petiole))
 }
 
 /// A thin part: its cells in the order of their steps from the core.
@@ -61,8 +74,10 @@ struct Strand {
     widths: Vec<f64>,
 }
 
-/// The thin parts that hang on the core.
-fn strands(labels: &Grid<u32>, count: u32, core: &Grid<bool>) -> Vec<Strand> {
+/// The parts that a disc of this radius cannot get into, where they hang on the rest.
+fn strands(whole: &Grid<bool>, radius: f64) -> Vec<Strand> {
+    let core = whole.opened(radius).largest_part();
+    let (labels, count) = whole.joined(&core, |whole, core| whole && !core).parts();
     let mut seeds: Vec<Vec<usize>> = vec![Vec::new(); count as usize + 1];
     for (cell, &label) in labels.cells.iter().enumerate().filter(|(_, label)| **label != 0) {
         if core.neighbours(cell).any(|n| core.cells[n]) {
@@ -105,15 +120,25 @@ impl Strand {
         part.iter().sum::<f64>() / part.len() as f64
     }
 
-    fn is_parallel(&self) -> bool {
-        self.width(0.55, 0.9) > PARALLEL * self.width(0.2, 0.55)
+    /// Long, and as wide at its end as near the blade.
+    fn is_petiole(&self, radius: f64) -> bool {
+        self.length() > LONG * radius && self.width(0.55, 0.9) > PARALLEL * self.width(0.2, 0.55)
     }
 
-    /// The level where the petiole begins, and its centre line and widths from there on.
-    fn beyond_flare(&self) -> (usize, Vec<DVec2>, Vec<f64>) {
+    /// The band where the petiole begins: before it lies the flare of the blade.
+    fn start(&self) -> usize {
         let usual = self.width(0.25, 0.75);
-        let first = self.widths.iter().position(|&w| w < FLARE * usual).unwrap_or(0);
-        (first * STEP, self.line[first..].to_vec(), self.widths[first..].to_vec())
+        self.widths.iter().position(|&w| w < FLARE * usual).unwrap_or(0)
+    }
+
+    fn beyond_flare(&self) -> impl Iterator<Item = usize> + '_ {
+        let start = self.start() * STEP;
+        self.cells.iter().zip(&self.levels).filter(move |(_, level)| **level >= start).map(|(cell, _)| *cell)
+    }
+
+    fn into_petiole(mut self) -> Petiole {
+        let start = self.start();
+        Petiole { line: self.line.split_off(start), widths: self.widths.split_off(start) }
     }
 }
 

@@ -20,6 +20,12 @@ const SEE_THROUGH: f64 = 0.005;
 const FURTHER: f64 = 0.1;
 /// Radius of the opening that takes threads and ruled lines away, share of the longer side; and least, pixels.
 const THREAD: f64 = 0.002;
+/// Half width of the thinnest petiole that is looked for where its colour is near the paper's, share of the square root of
+/// the leaf's area.
+const STRAND: f64 = 0.006;
+/// Half width of what lies over the blade and is not paper, such as a folded petiole, share of the square root of the area.
+const BRIDGE: f64 = 0.012;
+const BROAD: f64 = 0.004;
 
 /// The blade in a picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,8 +55,8 @@ pub fn segmented(picture: &Picture) -> Result<Segment, LeafError> {
             "the picture of {width} x {height} pixels is too small to trace; give one of at least {LEAST_SIDE} on each side"
         )));
     }
-    let (mask, level, others) = if is_cut_out(picture) { opaque(picture)? } else { coloured(picture)? };
-    let (blade, petiole) = petiole::cut(&mask);
+    let (mask, wide, level, others) = if is_cut_out(picture) { opaque(picture)? } else { coloured(picture)? };
+    let (blade, petiole) = petiole::cut(&mask, &wide);
     border::whole(&blade)?;
     let gaps = gaps::sorted(&blade, &level);
     let shown = gaps.blade.joined(&mask, |blade, mask| blade && mask);
@@ -63,15 +69,16 @@ fn is_cut_out(picture: &Picture) -> bool {
     clear as f64 > SEE_THROUGH * picture.pixels.len() as f64
 }
 
-/// The leaf, the level of every pixel (0 background, 1 leaf) and the number of further leaves.
-type Found = (Grid<bool>, Grid<f32>, usize);
+/// The leaf, the leaf with all that hangs on it and is not paper, the level of every pixel (0 background, 1 leaf), and the
+/// number of further leaves.
+type Found = (Grid<bool>, Grid<bool>, Grid<f32>, usize);
 
 fn opaque(picture: &Picture) -> Result<Found, LeafError> {
     let cells = picture.pixels.iter().map(|p| f32::from(p[3]) / 255.0).collect();
     let level = Grid { width: picture.width as usize, height: picture.height as usize, cells };
     let mask = level.map(|t| t > 0.5);
     let (leaf, others) = largest(&mask.opened(thread(&mask)))?;
-    Ok((leaf, level, others))
+    Ok((leaf.clone(), leaf, level, others))
 }
 
 fn coloured(picture: &Picture) -> Result<Found, LeafError> {
@@ -79,11 +86,30 @@ fn coloured(picture: &Picture) -> Result<Found, LeafError> {
     let mut contrast = contrast(&lab)?;
     let mask = contrast.level.map(|t| t > 0.5);
     let (leaf, others) = largest(&mask.opened(thread(&mask)))?;
-    two_colours::refined(&lab, &mut contrast, &leaf);
+    let strange = two_colours::refined(&lab, &mut contrast, &leaf);
     let near = leaf.dilated(thread(&mask) * 2.0);
     let mask = contrast.level.map(|t| t > 0.5).joined(&near, |m, n| m && n);
+    let size = (leaf.area() as f64).sqrt();
+    let bridges = closed(&mask, BRIDGE * size).joined(&mask, |c, m| c && !m);
+    let bridges = bridges.joined(&strange.unshaded, |b, u| b && u).opened((BROAD * size).max(1.0));
+    let mask = mask.joined(&bridges, |m, b| m || b);
     let (leaf, _) = largest(&mask.opened(1.0))?;
-    Ok((leaf, contrast.level, others))
+    let other = strange.other.opened((STRAND * size).max(thread(&mask)));
+    let wide = holding(&other.joined(&leaf, |o, l| o || l), &leaf);
+    Ok((leaf, wide, contrast.level, others))
+}
+
+/// Closing by a disc: what a disc of this radius cannot pass from outside.
+fn closed(mask: &Grid<bool>, radius: f64) -> Grid<bool> {
+    let rim = radius.ceil() as usize + 1;
+    mask.padded(rim).dilated(radius).eroded(radius).trimmed(rim)
+}
+
+/// The part of a mask that holds a leaf.
+fn holding(mask: &Grid<bool>, leaf: &Grid<bool>) -> Grid<bool> {
+    let (labels, _) = mask.parts();
+    let label = leaf.cells.iter().position(|&c| c).map_or(0, |cell| labels.cells[cell]);
+    labels.map(|l| l == label && l != 0)
 }
 
 /// Radius of the opening of a mask of this size.

@@ -1,10 +1,10 @@
 //! From a scan to key points in the blade's plane: segment, outline, key points, joint and axis.
 
-use crate::base::maths::{atan2, sincos};
 use crate::base::picture::Picture;
 use crate::base::vector::DVec2;
 use crate::leaf::grid::Grid;
 use crate::leaf::segmentation::segmented;
+use crate::leaf::symmetry::Symmetry;
 use crate::leaf::{LeafError, contour, key_points, polygon};
 
 /// How the plane lies in the picture: a turn, a scale and the joint's place; the picture's rows run down.
@@ -126,12 +126,13 @@ pub fn traced(picture: &Picture, length: f64, tolerance: f64, corner: f64) -> Re
 }
 
 fn posed(blade: &Grid<bool>, outline: &[DVec2], stalk: Option<DVec2>, length: f64) -> Pose {
-    let centre = centroid(blade);
+    let symmetry = Symmetry::of(blade);
+    let centre = symmetry.centre;
     let near = |target: DVec2| {
         let far = |p: &&DVec2| (*p - target).norm();
         outline.iter().min_by(|a, b| far(a).total_cmp(&far(b))).copied().unwrap_or(target)
     };
-    let joint = stalk.map_or_else(|| symmetric_joint(blade, outline, centre), near);
+    let joint = stalk.map_or_else(|| symmetry.joint(outline), near);
     let heading = (centre - joint).try_normalize(0.0).unwrap_or_else(DVec2::y);
     let ahead = |p: &&DVec2| {
         let from = *p - joint;
@@ -141,57 +142,6 @@ fn posed(blade: &Grid<bool>, outline: &[DVec2], stalk: Option<DVec2>, length: f6
     let tip = outline.iter().filter(ahead).max_by(|a, b| far(a).total_cmp(&far(b))).copied().unwrap_or(centre);
     let farthest = outline.iter().map(far).fold(0.0, f64::max);
     Pose { joint, axis: (tip - joint).try_normalize(0.0).unwrap_or_else(DVec2::y), scale: length / farthest }
-}
-
-fn centroid(blade: &Grid<bool>) -> DVec2 {
-    let mut sum = DVec2::zeros();
-    for (i, _) in blade.cells.iter().enumerate().filter(|(_, c)| **c) {
-        sum += DVec2::new((i % blade.width) as f64 + 0.5, (i / blade.width) as f64 + 0.5);
-    }
-    sum / blade.area().max(1) as f64
-}
-
-/// Without a stalk: where the axis of the best mirror symmetry through the centroid leaves the blade on its nearer side,
-/// drawn to the nearest inward place of the outline. The base of a blade is broader than its tip, so it is the nearer end.
-fn symmetric_joint(blade: &Grid<bool>, outline: &[DVec2], centre: DVec2) -> DVec2 {
-    let stride = ((blade.area() as f64 / 3000.0).sqrt().ceil() as usize).max(1);
-    let inside = |p: DVec2| {
-        let (x, y) = (p.x.floor(), p.y.floor());
-        let fits = x >= 0.0 && y >= 0.0 && x < blade.width as f64 && y < blade.height as f64;
-        fits && blade.at(x as usize, y as usize)
-    };
-    let samples: Vec<DVec2> = (0..blade.height)
-        .step_by(stride)
-        .flat_map(|y| (0..blade.width).step_by(stride).map(move |x| DVec2::new(x as f64 + 0.5, y as f64 + 0.5)))
-        .filter(|&p| inside(p))
-        .collect();
-    let axis = |step: u32| {
-        let (sine, cosine) = sincos(f64::from(step) * std::f64::consts::PI / 180.0);
-        DVec2::new(cosine, sine)
-    };
-    let matching = |step: &u32| {
-        let axis = axis(*step);
-        let mirrored = |p: &&DVec2| {
-            let from = *p - centre;
-            inside(centre + axis * (2.0 * from.dot(&axis)) - from)
-        };
-        samples.iter().filter(mirrored).count()
-    };
-    let best = axis((0..180).max_by_key(|s| (matching(s), std::cmp::Reverse(*s))).unwrap_or(90));
-    let end = |heading: DVec2| {
-        let off = |p: &&DVec2| {
-            let from = *p - centre;
-            atan2(heading.perp(&from), heading.dot(&from)).abs()
-        };
-        outline
-            .iter()
-            .filter(|p| off(p) < 0.15)
-            .min_by(|a, b| (*a - centre).norm().total_cmp(&(*b - centre).norm()))
-            .copied()
-            .unwrap_or(centre)
-    };
-    let ends = [end(best), end(-best)];
-    if (ends[0] - centre).norm() <= (ends[1] - centre).norm() { ends[0] } else { ends[1] }
 }
 
 #[cfg(test)]
