@@ -1,5 +1,7 @@
 //! A rectangle of values, and the operations on two-valued ones: distance, opening, parts.
 
+use std::ops::Range;
+
 /// Values row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid<T> {
@@ -46,8 +48,11 @@ impl Grid<bool> {
     /// The same without `rim` cells on every side.
     pub fn trimmed(&self, rim: usize) -> Self {
         let (width, height) = (self.width - 2 * rim, self.height - 2 * rim);
-        let rows = (rim..rim + height).map(|y| &self.cells[y * self.width + rim..y * self.width + rim + width]);
-        Self { width, height, cells: rows.flatten().copied().collect() }
+        let mut cells = Vec::with_capacity(width * height);
+        for y in rim..rim + height {
+            cells.extend_from_slice(&self.cells[y * self.width + rim..y * self.width + rim + width]);
+        }
+        Self { width, height, cells }
     }
 
     /// Squared distance of each cell to the nearest true one (Felzenszwalb and Huttenlocher 2012: lower envelope of
@@ -73,23 +78,15 @@ impl Grid<bool> {
     /// The cells whose centre lies within `radius` of a true cell's. Distances down the columns are found first; then each
     /// shift along the rows counts those that it leaves short enough.
     pub fn dilated(&self, radius: f64) -> Self {
-        let heights = self.column_distances();
         let mut cells = vec![false; self.cells.len()];
-        if self.width == 0 {
-            return self.clone();
-        }
-        let reach = (radius.max(0.0) as usize).min(self.width - 1);
-        let rows = cells.chunks_exact_mut(self.width).zip(heights.chunks_exact(self.width));
-        for (row, heights) in rows {
-            for shift in 0..=reach {
-                let most = (radius * radius - (shift * shift) as f64).max(0.0).sqrt().min(65_534.0) as u16;
-                let width = self.width - shift;
-                for (cell, height) in row[..width].iter_mut().zip(&heights[shift..]) {
-                    *cell |= *height <= most;
-                }
-                for (cell, height) in row[shift..].iter_mut().zip(&heights[..width]) {
-                    *cell |= *height <= most;
-                }
+        let heights = self.column_distances();
+        let reach = (radius.max(0.0) as usize).min(self.width);
+        let most = |shift: usize| (radius * radius - (shift * shift) as f64).max(0.0).sqrt().min(65_534.0) as u16;
+        let most: Vec<u16> = (0..=reach).map(most).collect();
+        let width = self.width.max(1);
+        for (row, heights) in cells.chunks_exact_mut(width).zip(heights.chunks_exact(width)) {
+            for start in (0..width).step_by(CHUNK) {
+                near(row, heights, start..(start + CHUNK).min(width), &most);
             }
         }
         Self { cells, ..*self }
@@ -197,6 +194,29 @@ struct Run {
     row: usize,
     start: usize,
     end: usize,
+}
+
+/// Cells of a row that are looked at together.
+const CHUNK: usize = 64;
+
+/// Marks the cells of some columns that a shift along the row brings to one whose height is at most that of the shift.
+fn near(row: &mut [bool], heights: &[u16], columns: Range<usize>, most: &[u16]) {
+    let (start, end, reach) = (columns.start, columns.end, most.len() - 1);
+    if heights[columns.clone()].iter().all(|&height| height <= most[0]) {
+        row[columns].fill(true);
+        return;
+    }
+    let round = start.saturating_sub(reach)..(end + reach).min(heights.len());
+    if heights[round].iter().all(|&height| height > most[0]) {
+        return;
+    }
+    for (shift, &most) in most.iter().enumerate() {
+        let cells = row[start..].iter_mut().zip(heights.get(start + shift..).unwrap_or_default()).take(end - start);
+        cells.for_each(|(cell, height)| *cell |= *height <= most);
+        let first = start.max(shift).min(end);
+        let cells = row[first..end].iter_mut().zip(&heights[first.saturating_sub(shift)..]);
+        cells.for_each(|(cell, height)| *cell |= *height <= most);
+    }
 }
 
 /// For each run the first run of its part: union-find whose roots are the smaller numbers.

@@ -69,8 +69,9 @@ settings! {
         vertices: u32 = 220, range 12 => 20000;
         /// Most rounds of relocation and reconnection after triangulation; they end when the triangles have settled.
         iterations: u32 = 160, range 0 => 10000;
-        /// Largest distance between a traced outline and the spline.
-        tolerance: f64 = 1.5, unit "px", range 0.25 => 50.0;
+        /// Largest distance between a traced outline and the spline; a thousandth of the diagonal of the blade's bounding box,
+        /// at least 1 px, when absent.
+        tolerance_px: Option<f64> = None, unit "px", range 0.25 => 50.0;
         /// Key points at which the outline turns by more than this stay sharp; 180 keeps none.
         corner: f64 = 65.0, unit "degrees", range 0.0 => 180.0;
     }
@@ -130,7 +131,7 @@ pub fn check(settings: &Settings) -> Vec<Complaint> {
 /// [`LeafError`] when there is no leaf in the picture, or a limit refuses its size.
 pub fn trace(settings: &Settings, picture: &Picture, limits: &Limits) -> Result<Trace, LeafError> {
     limits.allow(Limit::PicturePixels, "leaf.picture", f64::from(picture.width) * f64::from(picture.height))?;
-    trace::traced(picture, settings.length * 1e-3, settings.tolerance, settings.corner.to_radians())
+    trace::traced(picture, settings.length * 1e-3, settings.tolerance_px, settings.corner.to_radians())
 }
 
 /// Makes the blade.

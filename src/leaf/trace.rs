@@ -3,7 +3,8 @@
 use crate::base::picture::Picture;
 use crate::base::vector::DVec2;
 use crate::leaf::grid::Grid;
-use crate::leaf::segmentation::segmented;
+use crate::leaf::petiole::Petiole;
+use crate::leaf::segmentation::{Segment, segmented};
 use crate::leaf::symmetry::Symmetry;
 use crate::leaf::{LeafError, contour, key_points, polygon};
 
@@ -38,21 +39,35 @@ impl Pose {
     }
 }
 
-/// A traced scan.
+/// A traced scan. Places are pixels of the picture, the centre of the top left pixel at (0.5, 0.5). Seen with rows running
+/// down, `outline` and `keys` run counter-clockwise round the blade, `holes` and `hole_keys` clockwise: the blade is always to
+/// the left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
-    /// True on the blade.
+    /// True on the blade, petiole and kept gaps excluded.
     pub(in crate::leaf) blade: Grid<bool>,
     /// True where the blade's own colour shows.
     pub(in crate::leaf) shown: Grid<bool>,
-    /// The outline with sub-pixel places, pixels.
+    /// The outline with sub-pixel places.
     pub outline: Vec<DVec2>,
-    /// Key points, pixels, in the outline's order.
+    /// Key points, in the outline's order.
     pub keys: Vec<DVec2>,
-    /// Hausdorff distance of the spline from the outline, pixels.
+    /// Rims of the gaps through which the background is seen, each at least a thousandth of the leaf's area.
+    pub holes: Vec<Vec<DVec2>>,
+    /// Key points of each hole.
+    pub hole_keys: Vec<Vec<DVec2>>,
+    /// Hausdorff distance of the spline through the keys from the outline, and of those of the holes, pixels.
     pub hausdorff: f64,
     /// How plane and picture lie to each other.
     pub pose: Pose,
+    /// The petiole that was cut off, when there is one.
+    pub petiole: Option<Petiole>,
+    /// See-through gaps that were kept as holes.
+    pub gaps: usize,
+    /// Enclosed places that were filled: pale spots, and gaps too small to keep.
+    pub filled: usize,
+    /// Further leaves on the sheet: parts of at least a tenth of this one's area. This one is the largest.
+    pub others: usize,
 }
 
 impl Trace {
@@ -62,7 +77,19 @@ impl Trace {
         self.keys.iter().map(|&p| (self.pose.plane(p) * 1e3).into()).collect()
     }
 
-    /// Share of the pixels in either the traced blade or a truth polygon (pixels; it may cross itself: filled by the
+    /// The size of the picture, pixels.
+    #[must_use]
+    pub fn picture_size(&self) -> [usize; 2] {
+        [self.blade.width, self.blade.height]
+    }
+
+    /// Area of the blade without its holes, pixels.
+    #[must_use]
+    pub fn area(&self) -> usize {
+        self.blade.area()
+    }
+
+    /// Share of the pixels in either the traced blade's mask (without its holes) or a truth polygon (pixels; it may cross itself: filled by the
     /// non-zero rule) that lie in both.
     #[must_use]
     pub fn iou(&self, truth: &[[f64; 2]]) -> f64 {
@@ -98,31 +125,61 @@ fn windings(polygon: &[[f64; 2]], y: f64) -> Vec<(f64, i32)> {
     turns
 }
 
-/// Traces the leaf in a picture; `length` in metres from the joint to the farthest tip, `tolerance` in pixels, `corner` in
-/// radians.
+/// Traces the leaf in a picture; `length` in metres from the joint to the farthest tip, `tolerance` in pixels (a thousandth
+/// of the diagonal of the blade's bounding box, at least 1, without one), `corner` in radians.
 ///
 /// # Errors
 /// [`LeafError::Picture`] when there is no leaf, or its outline cannot be followed.
-pub fn traced(picture: &Picture, length: f64, tolerance: f64, corner: f64) -> Result<Trace, LeafError> {
+pub fn traced(picture: &Picture, length: f64, tolerance: Option<f64>, corner: f64) -> Result<Trace, LeafError> {
     let segment = segmented(picture)?;
-    let outline = contour::outlined(&segment.blade).into_iter().next().unwrap_or_default();
-    if outline.len() < 16 {
-        return Err(LeafError::picture("the leaf is too small in the picture"));
+    let mut lines = contour::outlined(&segment.blade).into_iter();
+    let outline = lines.next().filter(|line| line.len() >= 16);
+    let outline = outline.ok_or_else(|| LeafError::picture("the leaf is too small in the picture; scan it larger"))?;
+    let tolerance = tolerance.unwrap_or_else(|| default_tolerance(&outline));
+    let (keys, mut hausdorff) = keyed(&outline, tolerance, corner)?;
+    // a gap that is kept is far longer round than the blur's specks
+    let holes: Vec<Vec<DVec2>> = lines.filter(|l| l.len() >= 16 && polygon::doubled_area(l) > 0.0).collect();
+    let mut hole_keys = Vec::with_capacity(holes.len());
+    for hole in &holes {
+        let (keys, distance) = keyed(hole, tolerance, corner)?;
+        hausdorff = hausdorff.max(distance);
+        hole_keys.push(keys);
     }
     let pose = posed(&segment.blade, &outline, segment.petiole.as_ref().map(|p| p.line[0]), length);
+    let Segment { blade, shown, petiole, gaps, filled, others } = segment;
+    Ok(Trace { blade, shown, outline, keys, holes, hole_keys, hausdorff, pose, petiole, gaps, filled, others })
+}
+
+fn default_tolerance(outline: &[DVec2]) -> f64 {
+    let low = outline.iter().fold(outline[0], |low, p| low.inf(p));
+    let high = outline.iter().fold(outline[0], |high, p| high.sup(p));
+    (0.001 * (high - low).norm()).max(1.0)
+}
+
+/// Key points of a closed line, and the distance of their spline from it. Where the spline crosses itself, as it can in a
+/// narrow place, a smaller bound is tried.
+///
+/// # Errors
+/// [`LeafError::Picture`] with the place where the spline crosses itself.
+fn keyed(line: &[DVec2], tolerance: f64, corner: f64) -> Result<(Vec<DVec2>, f64), LeafError> {
     let mut bound = tolerance;
+    let mut place = line[0];
     for _ in 0..4 {
-        let chosen = key_points::chosen(&outline, bound, corner);
-        let spline = key_points::spline(&outline, &chosen, corner);
-        let line = spline.polyline(16);
-        if polygon::crossing(&line).is_none() {
-            let keys = chosen.iter().map(|&i| outline[i]).collect();
-            let hausdorff = key_points::distance(&outline, &chosen, &spline);
-            return Ok(Trace { blade: segment.blade, shown: segment.shown, outline, keys, hausdorff, pose });
-        }
+        let chosen = key_points::chosen(line, bound, corner);
+        let spline = key_points::spline(line, &chosen, corner);
+        let drawn = spline.polyline(16);
+        let Some((side, _)) = polygon::crossing(&drawn) else {
+            let keys = chosen.iter().map(|&i| line[i]).collect();
+            return Ok((keys, key_points::distance(line, &chosen, &spline)));
+        };
+        place = drawn[side];
         bound *= 0.5;
     }
-    Err(LeafError::picture("the leaf's outline crosses itself; try a larger picture or a smaller leaf.tolerance"))
+    Err(LeafError::picture(&format!(
+        "the leaf's outline crosses itself near column {:.0}, row {:.0} of the picture; give a larger picture, or a smaller \
+         leaf.tolerance_px",
+        place.x, place.y
+    )))
 }
 
 fn posed(blade: &Grid<bool>, outline: &[DVec2], stalk: Option<DVec2>, length: f64) -> Pose {
