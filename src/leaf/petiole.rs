@@ -9,14 +9,19 @@ use crate::leaf::symmetry::Symmetry;
 const RADIUS: f64 = 0.035;
 /// A part is long from this many radii on.
 const LONG: f64 = 1.5;
-/// Mean width of a petiole's outer half, at least this share of its inner half's.
+/// Mean width of a petiole's outer half, at least these shares of its inner half's: what may be one, and what is one wherever
+/// it hangs.
 const PARALLEL: f64 = 0.55;
+const EVEN: f64 = 0.85;
 /// Near the blade a petiole begins where it is at most this many times as wide as farther out.
 const FLARE: f64 = 1.5;
 /// A strand is the end of a petiole folded over the blade, not its beginning, if the blade is less symmetric about the line
 /// from it than this share of the best, unless it is longer than so many radii.
 const SYMMETRIC: f64 = 0.93;
 const FAR: f64 = 4.0;
+/// A stump is at least so many radii of its opening long, and the blade nearly as symmetric about it as about its best axis.
+const STUMP: f64 = 0.5;
+const BALANCED: f64 = 0.975;
 /// Steps between two points of the centre line, cells.
 const STEP: usize = 4;
 
@@ -37,16 +42,23 @@ impl Petiole {
     }
 }
 
-/// The leaf without its petiole, and the petiole. `wide` is the leaf with all that hangs on it and is not paper: it is asked
-/// when the leaf itself has no petiole.
-pub fn cut(leaf: &Grid<bool>, wide: &Grid<bool>) -> (Grid<bool>, Option<Petiole>) {
+/// A leaf without its petiole.
+pub struct Cut {
+    /// The blade.
+    pub blade: Grid<bool>,
+    /// The petiole, when there is one.
+    pub petiole: Option<Petiole>,
+    /// Where the blade hangs on it: also known where only a stump is left.
+    pub joint: Option<DVec2>,
+}
+
+/// Cuts the petiole off. `wide` is the leaf with all that hangs on it and is not paper: it is asked when the leaf itself has
+/// no long petiole.
+pub fn cut(leaf: &Grid<bool>, wide: &Grid<bool>) -> Cut {
     let radius = (RADIUS * (leaf.area() as f64).sqrt()).max(2.0);
     let symmetry = Symmetry::of(leaf);
     let best = symmetry.along(symmetry.best());
-    let folded = |strand: &Strand| {
-        let axis = (strand.line[0] - symmetry.centre).try_normalize(0.0).unwrap_or_else(DVec2::y);
-        symmetry.along(axis) < SYMMETRIC * best && strand.length() < FAR * radius
-    };
+    let balance = |strand: &Strand| symmetry.along(symmetry.heading(strand.line[0])) / best;
     let mut blade = leaf.clone();
     let mut longest: Option<Strand> = None;
     for whole in [leaf, wide] {
@@ -54,13 +66,32 @@ pub fn cut(leaf: &Grid<bool>, wide: &Grid<bool>) -> (Grid<bool>, Option<Petiole>
             break;
         }
         for strand in strands(whole, radius).into_iter().filter(|s| s.is_petiole(radius)) {
-            strand.beyond_flare().for_each(|cell| blade.cells[cell] = false);
-            if !folded(&strand) && longest.as_ref().is_none_or(|s| s.length() < strand.length()) {
+            let is_end = strand.length() < FAR * radius && balance(&strand) < SYMMETRIC;
+            let is_base = strand.is_even() || symmetry.is_base(symmetry.heading(strand.line[0]));
+            if is_end {
+                strand.beyond_flare().for_each(|cell| blade.cells[cell] = false);
+            }
+            if is_end || !is_base {
+                continue;
+            }
+            if longest.as_ref().is_none_or(|s| s.length() < strand.length()) {
                 longest = Some(strand);
             }
         }
     }
-    (blade.largest_part(), longest.map(Strand::into_petiole))
+    if let Some(strand) = &longest {
+        strand.beyond_flare().for_each(|cell| blade.cells[cell] = false);
+    }
+    let petiole = longest.map(Strand::into_petiole);
+    let joint = petiole.as_ref().map(|p| p.line[0]).or_else(|| stump(leaf, &symmetry, radius * 0.5, &balance));
+    Cut { blade: blade.largest_part(), petiole, joint }
+}
+
+/// Where a stump stands out: a thin part, however short, at the base of the axis of symmetry.
+fn stump(leaf: &Grid<bool>, symmetry: &Symmetry, radius: f64, balance: &dyn Fn(&Strand) -> f64) -> Option<DVec2> {
+    let stands_out = |s: &Strand| s.length() > STUMP * radius && symmetry.is_base(symmetry.heading(s.line[0]));
+    let found = strands(leaf, radius).into_iter().filter(stands_out).map(|s| (balance(&s), s.line[0]));
+    found.filter(|f| f.0 > BALANCED).max_by(|a, b| a.0.total_cmp(&b.0)).map(|f| f.1)
 }
 
 /// A thin part: its cells in the order of their steps from the core.
@@ -123,6 +154,11 @@ impl Strand {
     /// Long, and as wide at its end as near the blade.
     fn is_petiole(&self, radius: f64) -> bool {
         self.length() > LONG * radius && self.width(0.55, 0.9) > PARALLEL * self.width(0.2, 0.55)
+    }
+
+    /// Hardly narrower at its end than near the blade, as the tip of a blade never is.
+    fn is_even(&self) -> bool {
+        self.width(0.55, 0.9) > EVEN * self.width(0.2, 0.55)
     }
 
     /// The band where the petiole begins: before it lies the flare of the blade.

@@ -3,10 +3,11 @@
 //! leaf; its petiole is cut, its gaps are kept or filled, and a border that cuts it off is refused.
 
 use crate::base::picture::Picture;
+use crate::base::vector::DVec2;
 use crate::leaf::contrast::contrast;
 use crate::leaf::grid::{Grid, sizes};
 use crate::leaf::lab::lab_of;
-use crate::leaf::petiole::{self, Petiole};
+use crate::leaf::petiole::{self, Cut, Petiole};
 use crate::leaf::{LeafError, border, gaps, two_colours};
 
 /// Share of the picture that a leaf must cover.
@@ -22,7 +23,7 @@ const FURTHER: f64 = 0.1;
 const THREAD: f64 = 0.002;
 /// Half width of the thinnest petiole that is looked for where its colour is near the paper's, share of the square root of
 /// the leaf's area.
-const STRAND: f64 = 0.006;
+const STRAND: f64 = 0.005;
 /// Half width of what lies over the blade and is not paper, such as a folded petiole, share of the square root of the area.
 const BRIDGE: f64 = 0.012;
 const BROAD: f64 = 0.004;
@@ -36,6 +37,8 @@ pub struct Segment {
     pub shown: Grid<bool>,
     /// The petiole that was cut off.
     pub petiole: Option<Petiole>,
+    /// Where the petiole, or a stump of it, meets the blade, pixels.
+    pub joint: Option<DVec2>,
     /// See-through gaps that were kept.
     pub gaps: usize,
     /// Enclosed places that were filled.
@@ -56,11 +59,11 @@ pub fn segmented(picture: &Picture) -> Result<Segment, LeafError> {
         )));
     }
     let (mask, wide, level, others) = if is_cut_out(picture) { opaque(picture)? } else { coloured(picture)? };
-    let (blade, petiole) = petiole::cut(&mask, &wide);
+    let Cut { blade, petiole, joint } = petiole::cut(&mask, &wide);
     border::whole(&blade)?;
     let gaps = gaps::sorted(&blade, &level);
     let shown = gaps.blade.joined(&mask, |blade, mask| blade && mask);
-    Ok(Segment { blade: gaps.blade, shown, petiole, gaps: gaps.kept, filled: gaps.filled, others })
+    Ok(Segment { blade: gaps.blade, shown, petiole, joint, gaps: gaps.kept, filled: gaps.filled, others })
 }
 
 /// Whether the alpha channel tells the leaf.

@@ -30,6 +30,11 @@ impl<'a> Symmetry<'a> {
         Self { blade, centre: centroid(blade), samples }
     }
 
+    /// The direction (unit) from the centroid to a point.
+    pub fn heading(&self, point: DVec2) -> DVec2 {
+        (point - self.centre).try_normalize(0.0).unwrap_or_else(DVec2::y)
+    }
+
     /// Share of the blade that falls on itself when folded along an axis (unit) through the centroid.
     pub fn along(&self, axis: DVec2) -> f64 {
         let mirrored = |p: &&DVec2| {
@@ -54,8 +59,8 @@ impl<'a> Symmetry<'a> {
             .map_or_else(DVec2::y, |best| best.1)
     }
 
-    /// Without a petiole: where the axis of best symmetry leaves the blade on its nearer side, drawn to the nearest inward
-    /// place of the outline. The base of a blade is broader than its tip, so it is the nearer end.
+    /// Without a petiole: the end of the axis of best symmetry where the base is, drawn to the nearest inward place of the
+    /// outline.
     pub fn joint(&self, outline: &[DVec2]) -> DVec2 {
         let best = self.best();
         let reach = |p: &DVec2| (p - self.centre).norm();
@@ -67,8 +72,30 @@ impl<'a> Symmetry<'a> {
             let near = outline.iter().filter(|p| off(p) < END).min_by(|a, b| reach(a).total_cmp(&reach(b)));
             near.copied().unwrap_or(self.centre)
         };
-        let ends = [end(best), end(-best)];
-        if reach(&ends[0]) <= reach(&ends[1]) { ends[0] } else { ends[1] }
+        end(if self.is_base(best) { best } else { -best })
+    }
+
+    /// Whether the base lies in this direction (unit) from the centroid rather than in the opposite one: it is broader than
+    /// the tip, so it is nearer, and the blade trails off the other way.
+    pub fn is_base(&self, heading: DVec2) -> bool {
+        let along = |p: &DVec2| (p - self.centre).dot(&heading);
+        let spread = self.samples.iter().map(|p| along(p) * along(p)).sum::<f64>() / self.samples.len().max(1) as f64;
+        let third = self.samples.iter().map(|p| along(p) * along(p) * along(p)).sum::<f64>();
+        let skewness = third / self.samples.len().max(1) as f64 / (spread * spread.sqrt()).max(1e-9);
+        let (here, there) = (self.reach(heading), self.reach(-heading));
+        skewness / 0.1 + (here - there) / (0.1 * (here + there)).max(1e-9) < 0.0
+    }
+
+    /// How far the blade goes from the centroid along a direction.
+    fn reach(&self, heading: DVec2) -> f64 {
+        let mut reach: f64 = 0.0;
+        for p in &self.samples {
+            let from = p - self.centre;
+            if heading.perp(&from).abs() < 0.1 * heading.dot(&from) {
+                reach = reach.max(heading.dot(&from));
+            }
+        }
+        reach
     }
 
     fn inside(&self, p: DVec2) -> bool {

@@ -145,8 +145,8 @@ pub fn traced(picture: &Picture, length: f64, tolerance: Option<f64>, corner: f6
         hausdorff = hausdorff.max(distance);
         hole_keys.push(keys);
     }
-    let pose = posed(&segment.blade, &outline, segment.petiole.as_ref().map(|p| p.line[0]), length);
-    let Segment { blade, shown, petiole, gaps, filled, others } = segment;
+    let pose = posed(&segment.blade, &outline, segment.joint, length);
+    let Segment { blade, shown, petiole, gaps, filled, others, .. } = segment;
     Ok(Trace { blade, shown, outline, keys, holes, hole_keys, hausdorff, pose, petiole, gaps, filled, others })
 }
 

@@ -18,8 +18,11 @@ const WINDOW: usize = 4;
 const PRIOR: f64 = 0.25;
 /// Cube root of the share of light in the deepest shadow.
 const DARKEST: f32 = 0.6;
-/// What is this share of the threshold away from the paper, and from the paper in shadow, is not paper.
-const OTHER: f32 = 0.6;
+/// Paper is gathered where the whole picture's level is below this, without lines and petioles.
+const PLAIN: f32 = 0.3;
+/// What is this share of the threshold away from the paper, lightness counting twice as much as for the blade since a petiole
+/// may have about the paper's hue, and from the paper in shadow, is not paper.
+const OTHER: f32 = 0.52;
 const UNSHADED: f32 = 0.45;
 
 /// What is not paper.
@@ -39,8 +42,11 @@ pub fn refined(lab: &Grid<[f32; 3]>, contrast: &mut Contrast, mask: &Grid<bool>)
     let near = mask.dilated(reach);
     let block = (side / BLOCKS).max(4);
     let weights = contrast.weights;
+    let strange_weights = [(2.0 * weights[0]).min(1.0), weights[1], weights[2]];
     let leaf = Classes::of(lab, &inner, block);
-    let paper = Classes::of(lab, &mask.dilated(1.5 * reach).map(|c| !c), block);
+    let plain = contrast.level.map(|t| t < PLAIN);
+    let away = mask.dilated(1.5 * reach).joined(&plain, |near, plain| plain && !near);
+    let paper = Classes::of(lab, &away, block);
     let mut strange = Strange { other: mask.clone(), unshaded: mask.clone() };
     for (i, &cell) in lab.cells.iter().enumerate().filter(|(i, _)| !inner.cells[*i]) {
         let (x, y) = (i % lab.width, i / lab.width);
@@ -48,7 +54,7 @@ pub fn refined(lab: &Grid<[f32; 3]>, contrast: &mut Contrast, mask: &Grid<bool>)
         if near.cells[i] {
             contrast.level.cells[i] = 0.5 / MIDDLE * between(cell, &here, &leaf.at(x, y), weights);
         }
-        strange.other.cells[i] = distance(cell, here.mean, weights) > OTHER * contrast.threshold;
+        strange.other.cells[i] = distance(cell, here.mean, strange_weights) > OTHER * contrast.threshold;
         strange.unshaded.cells[i] = from_shadow(cell, here.mean, weights) > UNSHADED * contrast.threshold;
     }
     strange
