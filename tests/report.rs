@@ -220,7 +220,8 @@ fn a_traced_leaf_tells_its_errors_in_pixels() {
     for name in ["outline_hausdorff_px", "boundary_hausdorff_px"] {
         assert!(figures[name].as_f64().is_some_and(|gap| (0.0..10.0).contains(&gap)), "{name}: {}", figures[name]);
     }
-    let bound = scene.species[0].leaf.tolerance;
+    // a small picture: the least default bound
+    let bound = scene.species[0].leaf.tolerance_px.unwrap_or(1.0);
     assert!(figures["outline_hausdorff_px"].as_f64().unwrap() <= bound);
     let without = reported(&small(&["time.day=9"]));
     assert_eq!(without.figure("leaf", "outline_hausdorff_px"), None);

@@ -7,29 +7,29 @@ use crate::leaf::grid::Grid;
 const RIM: usize = 4;
 const NONE: u32 = u32::MAX;
 
-/// The longest closed half-level line, in pixels with the centre of the top left pixel at (0.5, 0.5); empty without one.
-pub fn outlined(mask: &Grid<bool>) -> Vec<DVec2> {
+/// The closed half-level lines of a mask, the longest first (of equals the first from the top), in pixels with the centre of
+/// the top left pixel at (0.5, 0.5). Seen with rows running down, the mask lies to the left of a line: an outline runs
+/// counter-clockwise and has a negative [`crate::leaf::polygon::doubled_area`], the rim of a hole runs clockwise.
+pub fn outlined(mask: &Grid<bool>) -> Vec<Vec<DVec2>> {
     let field = blurred(&mask.padded(RIM));
     let next = links(&field);
     let mut seen = vec![false; next.len()];
-    let mut longest: Vec<u32> = Vec::new();
+    let mut lines: Vec<Vec<DVec2>> = Vec::new();
+    let shift = DVec2::repeat(0.5 - RIM as f64);
     for start in 0..next.len() {
-        if next[start] == NONE || seen[start] {
-            continue;
-        }
         let mut line = Vec::new();
         let mut edge = start as u32;
-        while edge != NONE && !seen[edge as usize] {
+        while next[edge as usize] != NONE && !seen[edge as usize] {
             seen[edge as usize] = true;
-            line.push(edge);
+            line.push(place(&field, edge) + shift);
             edge = next[edge as usize];
         }
-        if line.len() > longest.len() {
-            longest = line;
+        if !line.is_empty() {
+            lines.push(line);
         }
     }
-    let shift = DVec2::repeat(0.5 - RIM as f64);
-    longest.iter().map(|&edge| place(&field, edge) + shift).collect()
+    lines.sort_by_key(|line| std::cmp::Reverse(line.len()));
+    lines
 }
 
 /// Binomial blur of variance 1.
@@ -94,11 +94,13 @@ mod tests {
             x * x + y * y < 30.0 * 30.0
         };
         let grid = Grid { width: 80, height: 70, cells: (0..80 * 70).map(inside).collect() };
-        let line = outlined(&grid);
-        for p in &line {
+        let lines = outlined(&grid);
+        let line = &lines[0];
+        assert_eq!(lines.len(), 1);
+        for p in line {
             assert!(((p - DVec2::new(40.0, 35.0)).norm() - 30.0).abs() < 0.5, "{p}");
         }
-        let area = polygon::doubled_area(&line).abs() / 2.0;
+        let area = polygon::doubled_area(line) / -2.0;
         assert!((area / (900.0 * std::f64::consts::PI) - 1.0).abs() < 5e-3, "{area}");
     }
 }

@@ -1,5 +1,7 @@
 //! A rectangle of values, and the operations on two-valued ones: distance, opening, parts.
 
+use std::ops::Range;
+
 /// Values row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid<T> {
@@ -46,8 +48,11 @@ impl Grid<bool> {
     /// The same without `rim` cells on every side.
     pub fn trimmed(&self, rim: usize) -> Self {
         let (width, height) = (self.width - 2 * rim, self.height - 2 * rim);
-        let rows = (rim..rim + height).map(|y| &self.cells[y * self.width + rim..y * self.width + rim + width]);
-        Self { width, height, cells: rows.flatten().copied().collect() }
+        let mut cells = Vec::with_capacity(width * height);
+        for y in rim..rim + height {
+            cells.extend_from_slice(&self.cells[y * self.width + rim..y * self.width + rim + width]);
+        }
+        Self { width, height, cells }
     }
 
     /// Squared distance of each cell to the nearest true one (Felzenszwalb and Huttenlocher 2012: lower envelope of
@@ -70,36 +75,82 @@ impl Grid<bool> {
         field
     }
 
-    /// Opening by a disc: what a disc of this radius can cover from within.
-    pub fn opened(&self, radius: f64) -> Self {
-        let rim = radius.ceil() as usize + 2;
-        let outside = self.padded(rim).map(|c| !c).squared_distances();
-        let core = outside.map(|d| d > radius * radius);
-        core.squared_distances().map(|d| d <= radius * radius).trimmed(rim)
-    }
-
-    /// Numbers of the connected parts of the true cells (4 neighbours), from 1, 0 elsewhere; and the number of parts.
-    pub fn parts(&self) -> (Grid<u32>, u32) {
-        let mut labels = self.map(|_| 0u32);
-        let mut count = 0;
-        let mut stack = Vec::new();
-        for start in 0..self.cells.len() {
-            if !self.cells[start] || labels.cells[start] != 0 {
-                continue;
-            }
-            count += 1;
-            labels.cells[start] = count;
-            stack.push(start);
-            while let Some(cell) = stack.pop() {
-                for next in self.neighbours(cell) {
-                    if self.cells[next] && labels.cells[next] == 0 {
-                        labels.cells[next] = count;
-                        stack.push(next);
-                    }
-                }
+    /// The cells whose centre lies within `radius` of a true cell's. Distances down the columns are found first; then each
+    /// shift along the rows counts those that it leaves short enough.
+    pub fn dilated(&self, radius: f64) -> Self {
+        let mut cells = vec![false; self.cells.len()];
+        let heights = self.column_distances();
+        let reach = (radius.max(0.0) as usize).min(self.width);
+        let most = |shift: usize| (radius * radius - (shift * shift) as f64).max(0.0).sqrt().min(65_534.0) as u16;
+        let most: Vec<u16> = (0..=reach).map(most).collect();
+        let width = self.width.max(1);
+        for (row, heights) in cells.chunks_exact_mut(width).zip(heights.chunks_exact(width)) {
+            for start in (0..width).step_by(CHUNK) {
+                near(row, heights, start..(start + CHUNK).min(width), &most);
             }
         }
+        Self { cells, ..*self }
+    }
+
+    /// Distance of each cell to the nearest true one of its column, at most 65,535.
+    fn column_distances(&self) -> Vec<u16> {
+        let mut heights: Vec<u16> = self.cells.iter().map(|&c| if c { 0 } else { u16::MAX }).collect();
+        for i in self.width..heights.len() {
+            heights[i] = heights[i].min(heights[i - self.width].saturating_add(1));
+        }
+        for i in (0..heights.len().saturating_sub(self.width)).rev() {
+            heights[i] = heights[i].min(heights[i + self.width].saturating_add(1));
+        }
+        heights
+    }
+
+    /// The cells farther than `radius` from every false one; what lies outside the grid is false.
+    pub fn eroded(&self, radius: f64) -> Self {
+        let rim = radius.max(0.0).ceil() as usize + 1;
+        self.padded(rim).map(|c| !c).dilated(radius).map(|c| !c).trimmed(rim)
+    }
+
+    /// Opening by a disc: what a disc of this radius can cover from within.
+    pub fn opened(&self, radius: f64) -> Self {
+        self.eroded(radius).dilated(radius)
+    }
+
+    /// The cells for which `keep` holds of this value and that of another grid of the same size.
+    pub fn joined(&self, other: &Self, keep: impl Fn(bool, bool) -> bool) -> Self {
+        let cells = self.cells.iter().zip(&other.cells).map(|(&a, &b)| keep(a, b)).collect();
+        Self { cells, ..*self }
+    }
+
+    /// Numbers of the connected parts of the true cells (4 neighbours), from 1 in the order of their first cells, 0
+    /// elsewhere; and the number of parts. Runs along the rows are joined to those that they touch in the row above.
+    pub fn parts(&self) -> (Grid<u32>, u32) {
+        let runs = self.runs();
+        let roots = joined_runs(&runs);
+        let mut labels = self.map(|_| 0u32);
+        let mut numbers = vec![0u32; runs.len()];
+        let mut count = 0;
+        for (rank, run) in runs.iter().enumerate() {
+            // a root is the first run of its part
+            if roots[rank] == rank {
+                count += 1;
+                numbers[rank] = count;
+            }
+            let start = run.row * self.width;
+            labels.cells[start + run.start..start + run.end].fill(numbers[roots[rank]]);
+        }
         (labels, count)
+    }
+
+    fn runs(&self) -> Vec<Run> {
+        let mut runs = Vec::new();
+        for (row, cells) in self.cells.chunks_exact(self.width.max(1)).enumerate() {
+            let mut x = 0;
+            while let Some(start) = cells[x..].iter().position(|&c| c).map(|ahead| x + ahead) {
+                x = cells[start..].iter().position(|&c| !c).map_or(cells.len(), |ahead| start + ahead);
+                runs.push(Run { row, start, end: x });
+            }
+        }
+        runs
     }
 
     /// The cells beside a cell.
@@ -115,10 +166,7 @@ impl Grid<bool> {
     /// The largest part (the first of equals); all false without one.
     pub fn largest_part(&self) -> Self {
         let (labels, count) = self.parts();
-        let mut sizes = vec![0usize; count as usize + 1];
-        for &label in &labels.cells {
-            sizes[label as usize] += 1;
-        }
+        let sizes = sizes(&labels, count);
         let largest = (1..=count).max_by_key(|&l| (sizes[l as usize], std::cmp::Reverse(l))).unwrap_or(u32::MAX);
         labels.map(|l| l == largest)
     }
@@ -129,6 +177,73 @@ impl Grid<bool> {
         debug_assert!(count >= 1);
         labels.map(|l| l != 1).trimmed(1)
     }
+}
+
+/// Number of cells of each part; that of part 0 is the number of cells in none.
+pub fn sizes(labels: &Grid<u32>, count: u32) -> Vec<usize> {
+    let mut sizes = vec![0usize; count as usize + 1];
+    for &label in &labels.cells {
+        sizes[label as usize] += 1;
+    }
+    sizes
+}
+
+/// True cells beside each other in a row, from column `start` to before column `end`.
+#[derive(Clone, Copy)]
+struct Run {
+    row: usize,
+    start: usize,
+    end: usize,
+}
+
+/// Cells of a row that are looked at together.
+const CHUNK: usize = 64;
+
+/// Marks the cells of some columns that a shift along the row brings to one whose height is at most that of the shift.
+fn near(row: &mut [bool], heights: &[u16], columns: Range<usize>, most: &[u16]) {
+    let (start, end, reach) = (columns.start, columns.end, most.len() - 1);
+    if heights[columns.clone()].iter().all(|&height| height <= most[0]) {
+        row[columns].fill(true);
+        return;
+    }
+    let round = start.saturating_sub(reach)..(end + reach).min(heights.len());
+    if heights[round].iter().all(|&height| height > most[0]) {
+        return;
+    }
+    for (shift, &most) in most.iter().enumerate() {
+        let cells = row[start..].iter_mut().zip(heights.get(start + shift..).unwrap_or_default()).take(end - start);
+        cells.for_each(|(cell, height)| *cell |= *height <= most);
+        let first = start.max(shift).min(end);
+        let cells = row[first..end].iter_mut().zip(&heights[first.saturating_sub(shift)..]);
+        cells.for_each(|(cell, height)| *cell |= *height <= most);
+    }
+}
+
+/// For each run the first run of its part: union-find whose roots are the smaller numbers.
+fn joined_runs(runs: &[Run]) -> Vec<usize> {
+    let mut roots: Vec<usize> = (0..runs.len()).collect();
+    let mut above = 0;
+    for (rank, run) in runs.iter().enumerate() {
+        let before = |other: &Run| other.row + 1 < run.row || (other.row + 1 == run.row && other.end <= run.start);
+        while above < rank && before(&runs[above]) {
+            above += 1;
+        }
+        let beside = |other: &Run| other.row + 1 == run.row && other.start < run.end;
+        for other in (above..rank).take_while(|&other| beside(&runs[other])) {
+            let (a, b) = (root(&mut roots, rank), root(&mut roots, other));
+            roots[a.max(b)] = a.min(b);
+        }
+    }
+    (0..roots.len()).map(|rank| root(&mut roots, rank)).collect()
+}
+
+/// The root of a run; the path to it is halved on the way.
+fn root(roots: &mut [usize], mut rank: usize) -> usize {
+    while roots[rank] != rank {
+        roots[rank] = roots[roots[rank]];
+        rank = roots[rank];
+    }
+    rank
 }
 
 /// Lower envelope of parabolas rooted at the cells of a line.
@@ -177,6 +292,53 @@ mod tests {
                 let far = |cx: i32, cy: i32| f64::from((x - cx) * (x - cx) + (y - cy) * (y - cy));
                 assert_eq!(found.at(x as usize, y as usize), far(0, 0).min(far(3, 2)));
             }
+        }
+    }
+
+    /// Cells true with a chance of `share`, from a small linear generator.
+    fn scattered(width: usize, height: usize, share: u32, seed: u32) -> Grid<bool> {
+        let mut state = seed;
+        let mut cell = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 16) % 100 < share
+        };
+        let cells = (0..width * height).map(|_| cell()).collect();
+        Grid { width, height, cells }
+    }
+
+    #[test]
+    fn dilation_agrees_with_distances() {
+        for (width, height, seed) in [(1, 1, 1), (7, 1, 2), (1, 9, 3), (40, 31, 4), (33, 64, 5)] {
+            let grid = scattered(width, height, 4, seed);
+            let distances = grid.squared_distances();
+            for radius in [0.0, 1.0, 1.5, 2.9, 6.0, 80.0] {
+                assert_eq!(
+                    grid.dilated(radius),
+                    distances.map(|d| d <= radius * radius),
+                    "{width} x {height}, {radius}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn parts_are_those_of_flooding() {
+        for (width, height, seed) in [(1, 1, 7), (1, 20, 8), (20, 1, 9), (30, 40, 10), (61, 23, 11)] {
+            let grid = scattered(width, height, 60, seed);
+            let (labels, count) = grid.parts();
+            let mut flooded = grid.map(|_| 0u32);
+            let mut number = 0;
+            for start in (0..grid.cells.len()).filter(|&i| grid.cells[i]) {
+                if flooded.cells[start] == 0 {
+                    number += 1;
+                    let mut stack = vec![start];
+                    while let Some(cell) = stack.pop() {
+                        flooded.cells[cell] = number;
+                        stack.extend(grid.neighbours(cell).filter(|&n| grid.cells[n] && flooded.cells[n] == 0));
+                    }
+                }
+            }
+            assert_eq!((labels, count), (flooded, number));
         }
     }
 

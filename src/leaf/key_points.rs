@@ -1,5 +1,6 @@
 //! Key points of a traced outline, few and error-bounded: the paper lets a user click them. From the sharp places (or eight
-//! even ones) on, the outline point farthest from each span of the spline becomes a key, until none lies beyond the bound.
+//! even ones) on, the outline point farthest from each span of the spline becomes a key, until outline and spline lie within
+//! the bound of each other. Then every key is tried without, and left out where the bound still holds.
 
 use crate::base::vector::DVec2;
 use crate::leaf::polygon;
@@ -10,25 +11,74 @@ const SHARP: f64 = 50.0 * std::f64::consts::PI / 180.0;
 const ROUNDS: u32 = 40;
 /// Samples of a span: one for each this many outline points, within limits.
 const STRIDE: usize = 3;
+/// Keys are set until this share of the bound is held, since the distances are sampled.
+const HELD: f64 = 0.98;
+/// Spans on either side of a key that move when it is left out: its influence falls to a quarter from span to span.
+const MOVED: usize = 4;
+/// Passes of leaving out.
+const PASSES: u32 = 2;
 
 /// Numbers of the outline points that are keys, in order.
 pub fn chosen(outline: &[DVec2], tolerance: f64, corner: f64) -> Vec<usize> {
+    let bound = tolerance * HELD;
     let mut keys = first_keys(outline, tolerance);
-    for _ in 0..ROUNDS {
-        let spline = spline(outline, &keys, corner);
-        let worst: Vec<usize> = (0..keys.len())
-            .filter_map(|span| farthest(outline, &keys, &spline, span))
-            .filter(|&(_, distance)| distance > tolerance * 0.98)
-            .map(|(point, _)| point)
-            .collect();
-        if worst.is_empty() {
+    grow(outline, &mut keys, bound, corner);
+    for _ in 0..PASSES {
+        let thinned = thinned(outline, &keys, bound, corner);
+        let mut checked = thinned.clone();
+        grow(outline, &mut checked, bound, corner);
+        if checked.len() >= keys.len() {
             break;
         }
-        keys.extend(worst);
+        keys = checked;
+    }
+    keys
+}
+
+/// Sets keys until the bound is held both ways, or the rounds are over.
+fn grow(outline: &[DVec2], keys: &mut Vec<usize>, bound: f64, corner: f64) {
+    for _ in 0..ROUNDS {
+        let spline = spline(outline, keys, corner);
+        let wanted: Vec<usize> =
+            (0..keys.len()).filter_map(|span| wanted(outline, keys, &spline, span, bound)).collect();
+        if wanted.is_empty() {
+            break;
+        }
+        keys.extend(wanted);
         keys.sort_unstable();
         keys.dedup();
     }
-    keys
+}
+
+/// The outline point that a span needs as a key: the one farthest from it, else, where the curve strays from the outline,
+/// the one in the middle of the span.
+fn wanted(outline: &[DVec2], keys: &[usize], spline: &Spline, span: usize, bound: f64) -> Option<usize> {
+    let (point, distance) = farthest(outline, keys, spline, span)?;
+    if distance > bound {
+        return Some(point);
+    }
+    let middle = (keys[span] + length(outline, keys, span) / 2) % outline.len();
+    (straying(outline, keys, spline, span) > bound).then_some(middle)
+}
+
+/// The keys without those that the bound does not need, tried one after the other.
+fn thinned(outline: &[DVec2], keys: &[usize], bound: f64, corner: f64) -> Vec<usize> {
+    let mut kept = keys.to_vec();
+    let mut rank = 0;
+    while rank < kept.len() && kept.len() > 8 {
+        let mut without = kept.clone();
+        without.remove(rank);
+        let spline = spline(outline, &without, corner);
+        let count = without.len();
+        let near = (0..2 * MOVED).map(|i| (rank + count * MOVED + i - MOVED) % count);
+        let held = |span: usize| wanted(outline, &without, &spline, span, bound).is_none();
+        // the span across the gap is the likeliest to fail
+        if held((rank + count - 1) % count) && near.into_iter().all(held) {
+            kept = without;
+        }
+        rank += 1;
+    }
+    kept
 }
 
 /// The spline through some of an outline's points.
@@ -83,16 +133,18 @@ fn farthest(outline: &[DVec2], keys: &[usize], spline: &Spline, span: usize) -> 
         .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))
 }
 
+/// The farthest that a span's curve goes from its stretch of the outline.
+fn straying(outline: &[DVec2], keys: &[usize], spline: &Spline, span: usize) -> f64 {
+    let length = length(outline, keys, span);
+    let stretch: Vec<DVec2> = (0..=length).map(|i| outline[(keys[span] + i) % outline.len()]).collect();
+    samples(spline, span, 2 * length).into_iter().map(|p| from_line(&stretch, p)).fold(0.0, f64::max)
+}
+
 /// Distance between outline and spline, both ways, each span against its own stretch of the outline: never less than the
 /// Hausdorff distance at these samples.
 pub fn distance(outline: &[DVec2], keys: &[usize], spline: &Spline) -> f64 {
-    let span = |span: usize| {
-        let length = length(outline, keys, span);
-        let stretch: Vec<DVec2> = (0..=length).map(|i| outline[(keys[span] + i) % outline.len()]).collect();
-        let there = farthest(outline, keys, spline, span).map_or(0.0, |worst| worst.1);
-        samples(spline, span, 2 * length).into_iter().map(|p| from_line(&stretch, p)).fold(there, f64::max)
-    };
-    (0..keys.len()).map(span).fold(0.0, f64::max)
+    let there = |span: usize| farthest(outline, keys, spline, span).map_or(0.0, |worst| worst.1);
+    (0..keys.len()).map(|span| there(span).max(straying(outline, keys, spline, span))).fold(0.0, f64::max)
 }
 
 #[cfg(test)]

@@ -3,14 +3,19 @@
 //! Sections 3 and 4.2 of Tang, Wu and Fan 2013. Where the paper asks a user, this decides: key points by an error bound in
 //! pixels, the mask from veins, margin, tips and petiole. It does not bend the leaf, paint it, or read files.
 
+mod border;
 mod canvas;
 mod chart;
 mod contour;
+mod contrast;
 mod file;
+mod gaps;
 mod grid;
 mod key_points;
+mod lab;
 mod mask;
 mod outline;
+mod petiole;
 mod polygon;
 mod preview;
 mod quality;
@@ -20,9 +25,11 @@ mod scan;
 mod segmentation;
 mod spline;
 mod strip;
+mod symmetry;
 mod trace;
 mod triangulation;
 mod truth;
+mod two_colours;
 mod veins;
 
 use crate::base::blade::Blade;
@@ -35,6 +42,7 @@ use crate::base::vector::DVec2;
 use crate::{choice, settings};
 pub use chart::Chart;
 pub use file::{MASK, TEXTURE, text as file_text};
+pub use petiole::Petiole;
 use remesh::Remesh;
 use spline::Spline;
 use thiserror::Error;
@@ -110,8 +118,9 @@ settings! {
         vertices: u32 = 220, range 12 => 20000;
         /// Most rounds of relocation and reconnection after triangulation; they end when the triangles have settled.
         iterations: u32 = 160, range 0 => 10000;
-        /// Largest distance between a traced outline and the spline.
-        tolerance: f64 = 1.5, unit "px", range 0.25 => 50.0;
+        /// Largest distance between a traced outline and the spline; a thousandth of the diagonal of the blade's bounding box,
+        /// at least 1 px, when absent.
+        tolerance_px: Option<f64> = None, unit "px", range 0.25 => 50.0;
         /// Key points at which the outline turns by more than this stay sharp; 180 keeps none.
         corner: f64 = 65.0, unit "degrees", range 0.0 => 180.0;
     }
@@ -184,7 +193,7 @@ pub fn check(settings: &Settings) -> Vec<Complaint> {
 /// [`LeafError`] when there is no leaf in the picture, or a limit refuses its size.
 pub fn trace(settings: &Settings, picture: &Picture, limits: &Limits) -> Result<Trace, LeafError> {
     limits.allow(Limit::PicturePixels, "leaf.picture", f64::from(picture.width) * f64::from(picture.height))?;
-    trace::traced(picture, settings.length * 1e-3, settings.tolerance, settings.corner.to_radians())
+    trace::traced(picture, settings.length * 1e-3, settings.tolerance_px, settings.corner.to_radians())
 }
 
 /// Traces a scan and makes the blade, with everything that is worth a file. A truth adds its figures.

@@ -138,11 +138,12 @@ fn a_painted_leaf_is_traced() {
     let trace = trace(&settings, &picture, &Limits::default()).unwrap();
     assert!((trace.pose.joint - DVec2::from(JOINT)).norm() < 8.0, "{:?}", trace.pose);
     assert!(trace.pose.axis.dot(&DVec2::from(AXIS)) > 0.99, "{:?}", trace.pose);
-    assert!(trace.hausdorff <= settings.tolerance);
+    // the default bound: a thousandth of the diagonal, at least a pixel
+    assert!(trace.hausdorff <= 1.0);
     let pictures = Pictures { picture: Some(&picture), mask: None };
     let (blade, figures) = model(&settings, pictures, &Limits::default()).unwrap();
     assert_sound(&blade);
-    assert!(figure(&figures, "outline_hausdorff_px") <= settings.tolerance);
+    assert!(figure(&figures, "outline_hausdorff_px") <= 1.0);
     // An oval of half axes 100 and 60 px, 100 mm for about 200 px.
     assert!((blade.mesh.area() / (std::f64::consts::PI * 50.0 * 30.0 * 1e-6) - 1.0).abs() < 0.05);
     let scan = blade.scan.unwrap();

@@ -1,10 +1,11 @@
 //! From a scan to key points in the blade's plane: segment, outline, key points, joint and axis.
 
-use crate::base::maths::{atan2, sincos};
 use crate::base::picture::Picture;
 use crate::base::vector::DVec2;
 use crate::leaf::grid::Grid;
-use crate::leaf::segmentation::segmented;
+use crate::leaf::petiole::Petiole;
+use crate::leaf::segmentation::{Segment, segmented};
+use crate::leaf::symmetry::Symmetry;
 use crate::leaf::{LeafError, contour, key_points, polygon};
 
 /// How the plane lies in the picture: a turn, a scale and the joint's place; the picture's rows run down.
@@ -38,30 +39,35 @@ impl Pose {
     }
 }
 
-/// A traced scan.
+/// A traced scan. Places are pixels of the picture, the centre of the top left pixel at (0.5, 0.5). Seen with rows running
+/// down, `outline` and `keys` run counter-clockwise round the blade, `holes` and `hole_keys` clockwise: the blade is always to
+/// the left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
-    /// True on the blade.
+    /// True on the blade, petiole and kept gaps excluded.
     pub(in crate::leaf) blade: Grid<bool>,
     /// True where the blade's own colour shows.
     pub(in crate::leaf) shown: Grid<bool>,
-    /// The outline with sub-pixel places, pixels.
+    /// The outline with sub-pixel places.
     pub outline: Vec<DVec2>,
-    /// Key points, pixels, in the outline's order.
+    /// Key points, in the outline's order.
     pub keys: Vec<DVec2>,
-    /// Hausdorff distance of the spline from the outline, pixels.
+    /// Rims of the gaps through which the background is seen, each at least a thousandth of the leaf's area.
+    pub holes: Vec<Vec<DVec2>>,
+    /// Key points of each hole.
+    pub hole_keys: Vec<Vec<DVec2>>,
+    /// Hausdorff distance of the spline through the keys from the outline, and of those of the holes, pixels.
     pub hausdorff: f64,
     /// How plane and picture lie to each other.
     pub pose: Pose,
-    pub holes: Vec<Vec<DVec2>>,
-    pub hole_keys: Vec<Vec<DVec2>>,
+    /// The petiole that was cut off, when there is one.
     pub petiole: Option<Petiole>,
+    /// See-through gaps that were kept as holes.
+    pub gaps: usize,
+    /// Enclosed places that were filled: pale spots, and gaps too small to keep.
+    pub filled: usize,
+    /// Further leaves on the sheet: parts of at least a tenth of this one's area. This one is the largest.
     pub others: usize,
-}
-#[derive(Clone, Debug, PartialEq)]
-pub struct Petiole {
-    pub line: Vec<DVec2>,
-    pub widths: Vec<f64>,
 }
 
 impl Trace {
@@ -71,7 +77,19 @@ impl Trace {
         self.keys.iter().map(|&p| (self.pose.plane(p) * 1e3).into()).collect()
     }
 
-    /// Share of the pixels in either the traced blade or a truth polygon (pixels; it may cross itself: filled by the
+    /// The size of the picture, pixels.
+    #[must_use]
+    pub fn picture_size(&self) -> [usize; 2] {
+        [self.blade.width, self.blade.height]
+    }
+
+    /// Area of the blade without its holes, pixels.
+    #[must_use]
+    pub fn area(&self) -> usize {
+        self.blade.area()
+    }
+
+    /// Share of the pixels in either the traced blade's mask (without its holes) or a truth polygon (pixels; it may cross itself: filled by the
     /// non-zero rule) that lie in both.
     #[must_use]
     pub fn iou(&self, truth: &[[f64; 2]]) -> f64 {
@@ -107,51 +125,71 @@ fn windings(polygon: &[[f64; 2]], y: f64) -> Vec<(f64, i32)> {
     turns
 }
 
-/// Traces the leaf in a picture; `length` in metres from the joint to the farthest tip, `tolerance` in pixels, `corner` in
-/// radians.
+/// Traces the leaf in a picture; `length` in metres from the joint to the farthest tip, `tolerance` in pixels (a thousandth
+/// of the diagonal of the blade's bounding box, at least 1, without one), `corner` in radians.
 ///
 /// # Errors
 /// [`LeafError::Picture`] when there is no leaf, or its outline cannot be followed.
-pub fn traced(picture: &Picture, length: f64, tolerance: f64, corner: f64) -> Result<Trace, LeafError> {
+pub fn traced(picture: &Picture, length: f64, tolerance: Option<f64>, corner: f64) -> Result<Trace, LeafError> {
     let segment = segmented(picture)?;
-    let outline = contour::outlined(&segment.blade);
-    if outline.len() < 16 {
-        return Err(LeafError::picture("the leaf is too small in the picture"));
+    let mut lines = contour::outlined(&segment.blade).into_iter();
+    let outline = lines.next().filter(|line| line.len() >= 16);
+    let outline = outline.ok_or_else(|| LeafError::picture("the leaf is too small in the picture; scan it larger"))?;
+    let tolerance = tolerance.unwrap_or_else(|| default_tolerance(&outline));
+    let (keys, mut hausdorff) = keyed(&outline, tolerance, corner)?;
+    // a gap that is kept is far longer round than the blur's specks
+    let holes: Vec<Vec<DVec2>> = lines.filter(|l| l.len() >= 16 && polygon::doubled_area(l) > 0.0).collect();
+    let mut hole_keys = Vec::with_capacity(holes.len());
+    for hole in &holes {
+        let (keys, distance) = keyed(hole, tolerance, corner)?;
+        hausdorff = hausdorff.max(distance);
+        hole_keys.push(keys);
     }
     let pose = posed(&segment.blade, &outline, segment.joint, length);
+    let Segment { blade, shown, petiole, gaps, filled, others, .. } = segment;
+    Ok(Trace { blade, shown, outline, keys, holes, hole_keys, hausdorff, pose, petiole, gaps, filled, others })
+}
+
+fn default_tolerance(outline: &[DVec2]) -> f64 {
+    let low = outline.iter().fold(outline[0], |low, p| low.inf(p));
+    let high = outline.iter().fold(outline[0], |high, p| high.sup(p));
+    (0.001 * (high - low).norm()).max(1.0)
+}
+
+/// Key points of a closed line, and the distance of their spline from it. Where the spline crosses itself, as it can in a
+/// narrow place, a smaller bound is tried.
+///
+/// # Errors
+/// [`LeafError::Picture`] with the place where the spline crosses itself.
+fn keyed(line: &[DVec2], tolerance: f64, corner: f64) -> Result<(Vec<DVec2>, f64), LeafError> {
     let mut bound = tolerance;
+    let mut place = line[0];
     for _ in 0..4 {
-        let chosen = key_points::chosen(&outline, bound, corner);
-        let spline = key_points::spline(&outline, &chosen, corner);
-        let line = spline.polyline(16);
-        if polygon::crossing(&line).is_none() {
-            let keys = chosen.iter().map(|&i| outline[i]).collect();
-            let hausdorff = key_points::distance(&outline, &chosen, &spline);
-            return Ok(Trace {
-                blade: segment.blade,
-                shown: segment.shown,
-                outline,
-                keys,
-                hausdorff,
-                pose,
-                holes: vec![],
-                hole_keys: vec![],
-                petiole: None,
-                others: 0,
-            });
-        }
+        let chosen = key_points::chosen(line, bound, corner);
+        let spline = key_points::spline(line, &chosen, corner);
+        let drawn = spline.polyline(16);
+        let Some((side, _)) = polygon::crossing(&drawn) else {
+            let keys = chosen.iter().map(|&i| line[i]).collect();
+            return Ok((keys, key_points::distance(line, &chosen, &spline)));
+        };
+        place = drawn[side];
         bound *= 0.5;
     }
-    Err(LeafError::picture("the leaf's outline crosses itself; try a larger picture or a smaller leaf.tolerance"))
+    Err(LeafError::picture(&format!(
+        "the leaf's outline crosses itself near column {:.0}, row {:.0} of the picture; give a larger picture, or a smaller \
+         leaf.tolerance_px",
+        place.x, place.y
+    )))
 }
 
 fn posed(blade: &Grid<bool>, outline: &[DVec2], stalk: Option<DVec2>, length: f64) -> Pose {
-    let centre = centroid(blade);
+    let symmetry = Symmetry::of(blade);
+    let centre = symmetry.centre;
     let near = |target: DVec2| {
         let far = |p: &&DVec2| (*p - target).norm();
         outline.iter().min_by(|a, b| far(a).total_cmp(&far(b))).copied().unwrap_or(target)
     };
-    let joint = stalk.map_or_else(|| symmetric_joint(blade, outline, centre), near);
+    let joint = stalk.map_or_else(|| symmetry.joint(outline), near);
     let heading = (centre - joint).try_normalize(0.0).unwrap_or_else(DVec2::y);
     let ahead = |p: &&DVec2| {
         let from = *p - joint;
@@ -161,57 +199,6 @@ fn posed(blade: &Grid<bool>, outline: &[DVec2], stalk: Option<DVec2>, length: f6
     let tip = outline.iter().filter(ahead).max_by(|a, b| far(a).total_cmp(&far(b))).copied().unwrap_or(centre);
     let farthest = outline.iter().map(far).fold(0.0, f64::max);
     Pose { joint, axis: (tip - joint).try_normalize(0.0).unwrap_or_else(DVec2::y), scale: length / farthest }
-}
-
-fn centroid(blade: &Grid<bool>) -> DVec2 {
-    let mut sum = DVec2::zeros();
-    for (i, _) in blade.cells.iter().enumerate().filter(|(_, c)| **c) {
-        sum += DVec2::new((i % blade.width) as f64 + 0.5, (i / blade.width) as f64 + 0.5);
-    }
-    sum / blade.area().max(1) as f64
-}
-
-/// Without a stalk: where the axis of the best mirror symmetry through the centroid leaves the blade on its nearer side,
-/// drawn to the nearest inward place of the outline. The base of a blade is broader than its tip, so it is the nearer end.
-fn symmetric_joint(blade: &Grid<bool>, outline: &[DVec2], centre: DVec2) -> DVec2 {
-    let stride = ((blade.area() as f64 / 3000.0).sqrt().ceil() as usize).max(1);
-    let inside = |p: DVec2| {
-        let (x, y) = (p.x.floor(), p.y.floor());
-        let fits = x >= 0.0 && y >= 0.0 && x < blade.width as f64 && y < blade.height as f64;
-        fits && blade.at(x as usize, y as usize)
-    };
-    let samples: Vec<DVec2> = (0..blade.height)
-        .step_by(stride)
-        .flat_map(|y| (0..blade.width).step_by(stride).map(move |x| DVec2::new(x as f64 + 0.5, y as f64 + 0.5)))
-        .filter(|&p| inside(p))
-        .collect();
-    let axis = |step: u32| {
-        let (sine, cosine) = sincos(f64::from(step) * std::f64::consts::PI / 180.0);
-        DVec2::new(cosine, sine)
-    };
-    let matching = |step: &u32| {
-        let axis = axis(*step);
-        let mirrored = |p: &&DVec2| {
-            let from = *p - centre;
-            inside(centre + axis * (2.0 * from.dot(&axis)) - from)
-        };
-        samples.iter().filter(mirrored).count()
-    };
-    let best = axis((0..180).max_by_key(|s| (matching(s), std::cmp::Reverse(*s))).unwrap_or(90));
-    let end = |heading: DVec2| {
-        let off = |p: &&DVec2| {
-            let from = *p - centre;
-            atan2(heading.perp(&from), heading.dot(&from)).abs()
-        };
-        outline
-            .iter()
-            .filter(|p| off(p) < 0.15)
-            .min_by(|a, b| (*a - centre).norm().total_cmp(&(*b - centre).norm()))
-            .copied()
-            .unwrap_or(centre)
-    };
-    let ends = [end(best), end(-best)];
-    if (ends[0] - centre).norm() <= (ends[1] - centre).norm() { ends[0] } else { ends[1] }
 }
 
 #[cfg(test)]

@@ -1,0 +1,197 @@
+//! The petiole: the long thin part of a leaf that keeps its width, where the tip of a lobe or a tooth runs to a point. It is
+//! what an opening takes away; its centre line and widths come from how far each of its cells lies from the blade.
+
+use crate::base::vector::DVec2;
+use crate::leaf::grid::Grid;
+use crate::leaf::symmetry::Symmetry;
+
+/// Radius of the opening, share of the square root of the leaf's area.
+const RADIUS: f64 = 0.035;
+/// A part is long from this many radii on.
+const LONG: f64 = 1.5;
+/// Mean width of a petiole's outer half, at least these shares of its inner half's: what may be one, and what is one wherever
+/// it hangs.
+const PARALLEL: f64 = 0.55;
+const EVEN: f64 = 0.85;
+/// Near the blade a petiole begins where it is at most this many times as wide as farther out.
+const FLARE: f64 = 1.5;
+/// A strand is the end of a petiole folded over the blade, not its beginning, if the blade is less symmetric about the line
+/// from it than this share of the best, unless it is longer than so many radii.
+const SYMMETRIC: f64 = 0.93;
+const FAR: f64 = 4.0;
+/// A stump is at least so many radii of its opening long, and the blade nearly as symmetric about it as about its best axis.
+const STUMP: f64 = 0.5;
+const BALANCED: f64 = 0.975;
+/// Steps between two points of the centre line, cells.
+const STEP: usize = 4;
+
+/// The petiole that was cut from a blade.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Petiole {
+    /// The centre line from the joint outward, a point every few pixels; pixels.
+    pub line: Vec<DVec2>,
+    /// Width at each point of the line, pixels.
+    pub widths: Vec<f64>,
+}
+
+impl Petiole {
+    /// Length of the centre line, pixels.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.line.windows(2).map(|w| (w[1] - w[0]).norm()).sum()
+    }
+}
+
+/// A leaf without its petiole.
+pub struct Cut {
+    /// The blade.
+    pub blade: Grid<bool>,
+    /// The petiole, when there is one.
+    pub petiole: Option<Petiole>,
+    /// Where the blade hangs on it: also known where only a stump is left.
+    pub joint: Option<DVec2>,
+}
+
+/// Cuts the petiole off. `wide` is the leaf with all that hangs on it and is not paper: it is asked when the leaf itself has
+/// no long petiole.
+pub fn cut(leaf: &Grid<bool>, wide: &Grid<bool>) -> Cut {
+    let radius = (RADIUS * (leaf.area() as f64).sqrt()).max(2.0);
+    let symmetry = Symmetry::of(leaf);
+    let best = symmetry.along(symmetry.best());
+    let balance = |strand: &Strand| symmetry.along(symmetry.heading(strand.line[0])) / best;
+    let mut blade = leaf.clone();
+    let mut longest: Option<Strand> = None;
+    for whole in [leaf, wide] {
+        if longest.as_ref().is_some_and(|s| s.length() > FAR * radius) {
+            break;
+        }
+        for strand in strands(whole, radius).into_iter().filter(|s| s.is_petiole(radius)) {
+            let is_end = strand.length() < FAR * radius && balance(&strand) < SYMMETRIC;
+            let is_base = strand.is_even() || symmetry.is_base(symmetry.heading(strand.line[0]));
+            if is_end {
+                strand.beyond_flare().for_each(|cell| blade.cells[cell] = false);
+            }
+            if is_end || !is_base {
+                continue;
+            }
+            if longest.as_ref().is_none_or(|s| s.length() < strand.length()) {
+                longest = Some(strand);
+            }
+        }
+    }
+    if let Some(strand) = &longest {
+        strand.beyond_flare().for_each(|cell| blade.cells[cell] = false);
+    }
+    let petiole = longest.map(Strand::into_petiole);
+    let joint = petiole.as_ref().map(|p| p.line[0]).or_else(|| stump(leaf, &symmetry, radius * 0.5, &balance));
+    Cut { blade: blade.largest_part(), petiole, joint }
+}
+
+/// Where a stump stands out: a thin part, however short, at the base of the axis of symmetry.
+fn stump(leaf: &Grid<bool>, symmetry: &Symmetry, radius: f64, balance: &dyn Fn(&Strand) -> f64) -> Option<DVec2> {
+    let stands_out = |s: &Strand| s.length() > STUMP * radius && symmetry.is_base(symmetry.heading(s.line[0]));
+    let found = strands(leaf, radius).into_iter().filter(stands_out).map(|s| (balance(&s), s.line[0]));
+    found.filter(|f| f.0 > BALANCED).max_by(|a, b| a.0.total_cmp(&b.0)).map(|f| f.1)
+}
+
+/// A thin part: its cells in the order of their steps from the core.
+struct Strand {
+    cells: Vec<usize>,
+    /// Steps from the core, from 0.
+    levels: Vec<usize>,
+    /// Middles of the bands of `STEP` levels.
+    line: Vec<DVec2>,
+    /// Cells of each band for each pixel of the line's way through it.
+    widths: Vec<f64>,
+}
+
+/// The parts that a disc of this radius cannot get into, where they hang on the rest.
+fn strands(whole: &Grid<bool>, radius: f64) -> Vec<Strand> {
+    let core = whole.opened(radius).largest_part();
+    let (labels, count) = whole.joined(&core, |whole, core| whole && !core).parts();
+    let mut seeds: Vec<Vec<usize>> = vec![Vec::new(); count as usize + 1];
+    for (cell, &label) in labels.cells.iter().enumerate().filter(|(_, label)| **label != 0) {
+        if core.neighbours(cell).any(|n| core.cells[n]) {
+            seeds[label as usize].push(cell);
+        }
+    }
+    let mut seen = labels.map(|label| label == 0);
+    seeds.into_iter().filter(|seeds| !seeds.is_empty()).map(|seeds| Strand::grown(seeds, &mut seen)).collect()
+}
+
+impl Strand {
+    fn grown(seeds: Vec<usize>, seen: &mut Grid<bool>) -> Self {
+        let mut levels = vec![0; seeds.len()];
+        let mut cells = seeds;
+        cells.iter().for_each(|&cell| seen.cells[cell] = true);
+        let mut rank = 0;
+        while rank < cells.len() {
+            for next in seen.neighbours(cells[rank]) {
+                if !seen.cells[next] {
+                    seen.cells[next] = true;
+                    cells.push(next);
+                    levels.push(levels[rank] + 1);
+                }
+            }
+            rank += 1;
+        }
+        let (line, widths) = profile(&cells, &levels, seen.width);
+        Self { cells, levels, line, widths }
+    }
+
+    fn length(&self) -> f64 {
+        self.line.windows(2).map(|w| (w[1] - w[0]).norm()).sum()
+    }
+
+    /// Mean width of the bands from one share of the length to another.
+    fn width(&self, from: f64, to: f64) -> f64 {
+        let rank = |share: f64| (share * self.widths.len() as f64) as usize;
+        let (from, to) = (rank(from), rank(to).max(rank(from) + 1).min(self.widths.len()));
+        let part = &self.widths[from.min(to - 1)..to];
+        part.iter().sum::<f64>() / part.len() as f64
+    }
+
+    /// Long, and as wide at its end as near the blade.
+    fn is_petiole(&self, radius: f64) -> bool {
+        self.length() > LONG * radius && self.width(0.55, 0.9) > PARALLEL * self.width(0.2, 0.55)
+    }
+
+    /// Hardly narrower at its end than near the blade, as the tip of a blade never is.
+    fn is_even(&self) -> bool {
+        self.width(0.55, 0.9) > EVEN * self.width(0.2, 0.55)
+    }
+
+    /// The band where the petiole begins: before it lies the flare of the blade.
+    fn start(&self) -> usize {
+        let usual = self.width(0.25, 0.75);
+        self.widths.iter().position(|&w| w < FLARE * usual).unwrap_or(0)
+    }
+
+    fn beyond_flare(&self) -> impl Iterator<Item = usize> + '_ {
+        let start = self.start() * STEP;
+        self.cells.iter().zip(&self.levels).filter(move |(_, level)| **level >= start).map(|(cell, _)| *cell)
+    }
+
+    fn into_petiole(mut self) -> Petiole {
+        let start = self.start();
+        Petiole { line: self.line.split_off(start), widths: self.widths.split_off(start) }
+    }
+}
+
+/// Middles and widths of the bands of a strand.
+fn profile(cells: &[usize], levels: &[usize], columns: usize) -> (Vec<DVec2>, Vec<f64>) {
+    let bands = levels.last().map_or(0, |last| last / STEP + 1);
+    let mut sums = vec![(DVec2::zeros(), 0.0); bands];
+    for (&cell, &level) in cells.iter().zip(levels) {
+        let sum = &mut sums[level / STEP];
+        sum.0 += DVec2::new((cell % columns) as f64 + 0.5, (cell / columns) as f64 + 0.5);
+        sum.1 += 1.0;
+    }
+    let line: Vec<DVec2> = sums.iter().map(|(sum, count)| sum / *count).collect();
+    let pace = |band: usize| {
+        let (low, high) = (band.saturating_sub(1), (band + 1).min(bands - 1));
+        ((line[high] - line[low]).norm() / (high - low).max(1) as f64).max(1.0)
+    };
+    let widths = (0..bands).map(|band| sums[band].1 / pace(band)).collect();
+    (line, widths)
+}
