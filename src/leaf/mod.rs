@@ -9,14 +9,11 @@ mod key_points;
 mod mask;
 mod outline;
 mod polygon;
-mod quality;
 mod remesh;
-mod ring;
 mod scan;
 mod segmentation;
 mod spline;
 mod trace;
-mod triangulation;
 mod veins;
 
 use crate::base::blade::Blade;
@@ -135,7 +132,7 @@ pub fn model(settings: &Settings, pictures: Pictures, limits: &Limits) -> Result
     let keys = keys(settings, trace.as_ref())?;
     let spline = Spline::through(&keys, settings.corner.to_radians());
     let outline = dense(&spline, settings.length * 1e-3);
-    let mesh = remesh::evened(&outline, settings.vertices as usize, settings.iterations)?;
+    let mesh = remesh::evened(std::slice::from_ref(&spline), settings.vertices as usize, settings.iterations)?;
     let figures = figures(&mesh, &outline, keys.len(), trace.as_ref());
     let veins = veins::grown(&outline, settings.venation);
     let mut flat = laid_out(&mesh);
@@ -178,7 +175,7 @@ fn dense(spline: &Spline, length: f64) -> Vec<DVec2> {
 
 /// The mesh by the contract of [`FlatMesh`]; greys are left out.
 fn laid_out(mesh: &Remesh) -> FlatMesh {
-    let rim = &mesh.points[..mesh.rim];
+    let rim = &mesh.points[mesh.loops[0].clone()];
     let low = rim.iter().fold(rim[0], |low, p| low.inf(p));
     let high = rim.iter().fold(rim[0], |high, p| high.sup(p));
     let (middle, size) = ((low + high) * 0.5, (high - low).max());
@@ -187,7 +184,7 @@ fn laid_out(mesh: &Remesh) -> FlatMesh {
     let mut flat = FlatMesh {
         positions: mesh.points.clone(),
         triangles: mesh.topology.triangles.clone(),
-        rim: (0..mesh.rim as u32).collect(),
+        rim: (0..mesh.loops[0].end as u32).collect(),
         held: held(mesh),
         uv_scale,
         uv_origin,
@@ -212,7 +209,7 @@ fn held(mesh: &Remesh) -> Vec<u32> {
 }
 
 fn figures(mesh: &Remesh, outline: &[DVec2], keys: usize, trace: Option<&Trace>) -> Figures {
-    let rim = &mesh.points[..mesh.rim];
+    let rim = &mesh.points[mesh.loops[0].clone()];
     let reached = polygon::hausdorff(rim, outline);
     let quality = mesh.quality;
     let mut figures = Figures::of(1)

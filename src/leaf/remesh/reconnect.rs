@@ -1,0 +1,287 @@
+//! The second of the two steps of a round: edges flip where that costs less, and where the mesh is not regular, vertices are
+//! tried with one edge flipped, split or collapsed.
+//!
+//! A trial changes one edge, relaxes the patch round it, and is undone unless the patch then costs less: dislocations of
+//! the lattice glide (flip) and climb (split, collapse) until they meet and vanish or rest at the rim. Only changes that
+//! do not add to the squared misses of the vertices' triangle counts (6 inside, one for each 60 degrees at the rim) are
+//! tried.
+
+use crate::leaf::remesh::relocate::Mesher;
+use crate::leaf::remesh::triangulation::corner_angle;
+use crate::leaf::remesh::web::NONE;
+
+/// Passes of flipping, at most, in a round and in a trial.
+const PASSES: u32 = 8;
+/// Relaxing sweeps of a trial.
+const SWEEPS: u32 = 4;
+/// A change must lower the cost by this to be kept.
+const WORTH: f64 = 1e-6;
+/// A trial may raise the squared misses by this.
+const LEEWAY: i64 = 2;
+
+/// A change of one edge: that opposite to a corner of a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Change {
+    Flip(u32, usize),
+    Split(u32, usize),
+    /// The first vertex is drawn into the second.
+    Collapse(u32, u32),
+}
+
+/// How many vertices there may be.
+#[derive(Clone, Copy, Debug)]
+pub struct Count {
+    /// Vertices now.
+    pub now: usize,
+    /// Fewest allowed.
+    pub least: usize,
+    /// Most allowed.
+    pub most: usize,
+}
+
+/// Marks of what was looked at, by number.
+#[derive(Clone, Debug, Default)]
+pub struct Marks {
+    stamps: Vec<u32>,
+    stamp: u32,
+}
+
+impl Marks {
+    fn clear(&mut self, count: usize) {
+        self.stamp += 1;
+        self.stamps.resize(count.max(self.stamps.len()), 0);
+    }
+
+    /// Marks a number; false if it was marked.
+    fn mark(&mut self, i: u32) -> bool {
+        let stamp = &mut self.stamps[i as usize];
+        let is_new = *stamp != self.stamp;
+        *stamp = self.stamp;
+        is_new
+    }
+}
+
+impl Mesher<'_> {
+    /// Flips edges while that lowers the cost; how many were flipped.
+    pub fn flip_all(&mut self) -> usize {
+        let mut flipped = 0;
+        let mut numbers: Vec<u32> = self.web.triangles().map(|(t, _)| t).collect();
+        numbers.retain(|&t| self.web.corners(t).iter().any(|&v| self.awake[v as usize]));
+        for _ in 0..PASSES {
+            let count = self.flip_among(&numbers);
+            flipped += count;
+            if count == 0 {
+                break;
+            }
+        }
+        flipped
+    }
+
+    fn flip_among(&mut self, triangles: &[u32]) -> usize {
+        let mut flipped = 0;
+        for &t in triangles {
+            for i in 0..3 {
+                if self.web.corners(t)[0] != NONE && self.gains_by_flip(t, i) {
+                    let [a, b, c] = self.web.corners(t);
+                    self.web.flip(t, i);
+                    [a, b, c].iter().chain(&self.web.corners(t)).for_each(|&v| self.awake[v as usize] = true);
+                    flipped += 1;
+                }
+            }
+        }
+        flipped
+    }
+
+    fn gains_by_flip(&self, t: u32, i: usize) -> bool {
+        let Some((corners, _)) = self.web.diamond(t, i) else { return false };
+        let [p, a, q, b] = corners.map(|v| self.web.point(v));
+        let now = self.energy.of(p, a, b) + self.energy.of(q, b, a);
+        self.energy.of(p, a, q) + self.energy.of(q, b, p) < now - WORTH
+    }
+
+    /// How many triangles a vertex has beyond what it should have.
+    fn excess(&self, v: u32) -> i64 {
+        let mut fan = Vec::new();
+        self.web.fan(v, &mut fan);
+        fan.len() as i64 - self.wanted(v)
+    }
+
+    fn wanted(&self, v: u32) -> i64 {
+        if v as usize >= self.rim.len() {
+            return 6;
+        }
+        let (before, after) = self.rim.beside(v as usize);
+        let [a, b, c] = [before as u32, v, after as u32].map(|v| self.web.point(v));
+        ((corner_angle(a, b, c) / std::f64::consts::FRAC_PI_3).round() as i64).clamp(1, 5)
+    }
+
+    /// Tries changes at all vertices with a wrong number of triangles that were not tried since something changed there; how
+    /// many were kept.
+    pub fn reconnect(&mut self, count: &mut Count, tried: &mut Vec<bool>, marks: &mut Marks) -> usize {
+        let mut kept = 0;
+        for v in 0..self.web.places() as u32 {
+            tried.resize(self.web.places(), false);
+            if !self.web.is_vertex(v) || tried[v as usize] || self.excess(v) == 0 {
+                continue;
+            }
+            tried[v as usize] = true;
+            if let Some(touched) = self.change_at(v, count, marks) {
+                tried.resize(self.web.places(), false);
+                touched.into_iter().for_each(|w| tried[w as usize] = false);
+                kept += 1;
+            }
+        }
+        kept
+    }
+
+    /// The first change at the edges round a vertex that lowers the cost is kept; the vertices it touched.
+    fn change_at(&mut self, v: u32, count: &mut Count, marks: &mut Marks) -> Option<Vec<u32>> {
+        let mut fan = Vec::new();
+        self.web.fan(v, &mut fan);
+        let mut changes = Vec::new();
+        for &(t, a, _) in &fan {
+            let i = self.web.corner(t, v);
+            for corner in [i, (i + 2) % 3] {
+                changes.extend(self.promising(t, corner, count));
+            }
+            let _ = a;
+        }
+        changes.sort_by_key(|change: &(i64, Change)| change.0);
+        changes.into_iter().find_map(|(_, change)| self.tried(change, count, marks))
+    }
+
+    /// Changes of an edge that do not make the triangle counts much worse, with what they do to them.
+    fn promising(&self, t: u32, i: usize, count: &Count) -> Vec<(i64, Change)> {
+        let Some((corners, _)) = self.web.diamond(t, i) else { return Vec::new() };
+        let [p, a, q, b] = corners.map(|v| self.excess(v));
+        let square = |x: i64| x * x;
+        let now: i64 = [p, a, q, b].into_iter().map(square).sum();
+        let mut changes =
+            vec![(square(p + 1) + square(q + 1) + square(a - 1) + square(b - 1) - now, Change::Flip(t, i))];
+        if count.now < count.most {
+            changes.push((square(p + 1) + square(q + 1) + square(a) + square(b) + 1 - now, Change::Split(t, i)));
+        }
+        let [_, from, _, to] = corners;
+        let rim = self.rim.len() as u32;
+        let (from, to) = if from < rim { (to, from) } else { (from, to) };
+        if count.now > count.least && from >= rim {
+            // Two of the four triangles lost were of both; a vertex of the rim keeps its own aim.
+            let joined = a + b + if to < rim { 6 - 4 } else { 6 - 4 };
+            changes.push((square(p - 1) + square(q - 1) + square(joined) - now, Change::Collapse(from, to)));
+        }
+        changes.retain(|change| change.0 <= LEEWAY);
+        changes
+    }
+
+    /// Makes a change, relaxes, and keeps it if the patch costs less; the vertices of the patch if so.
+    fn tried(&mut self, change: Change, count: &mut Count, marks: &mut Marks) -> Option<Vec<u32>> {
+        let centre = match change {
+            Change::Flip(t, i) | Change::Split(t, i) => self.web.diamond(t, i)?.0.to_vec(),
+            Change::Collapse(v, w) => vec![v, w],
+        };
+        let mut patch = self.patch(&centre, marks);
+        let before = self.cost_of(&patch, marks);
+        self.web.begin();
+        self.slid = Some(Vec::new());
+        let mut now = count.now;
+        let possible = match change {
+            Change::Flip(t, i) => {
+                self.web.flip(t, i);
+                true
+            }
+            Change::Split(t, i) => {
+                let middle = (self.web.point(centre[1]) + self.web.point(centre[3])) * 0.5;
+                let new = self.web.split(t, i, middle);
+                patch.extend(new);
+                self.awake.resize(self.web.places(), true);
+                now += 1;
+                new.is_some()
+            }
+            Change::Collapse(v, w) => {
+                if w as usize >= self.rim.len() {
+                    let middle = (self.web.point(v) + self.web.point(w)) * 0.5;
+                    self.web.place(w, middle);
+                }
+                patch.retain(|&x| x != v);
+                now -= 1;
+                self.web.collapse(v, w)
+            }
+        };
+        let better = possible && self.relaxes_below(before - WORTH, change, &patch, marks);
+        self.web.end(better);
+        if better {
+            self.slid = None;
+            count.now = now;
+            self.awake.resize(self.web.places(), true);
+            patch.iter().for_each(|&v| self.awake[v as usize] = true);
+            return Some(patch);
+        }
+        for (v, arc) in self.slid.take().into_iter().flatten().rev() {
+            self.rim.arcs[v] = arc;
+        }
+        self.awake.truncate(self.web.places());
+        None
+    }
+
+    fn relaxes_below(&mut self, bar: f64, change: Change, patch: &[u32], marks: &mut Marks) -> bool {
+        let start = self.cost_of(patch, marks);
+        if !start.is_finite() {
+            return false;
+        }
+        for sweep in 0..SWEEPS {
+            for &v in patch {
+                self.moved(v);
+            }
+            if !matches!(change, Change::Flip(..)) || sweep > 1 {
+                let triangles = self.triangles_of(patch, marks);
+                self.flip_among(&triangles);
+            }
+            let cost = self.cost_of(patch, marks);
+            if cost < bar {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// The vertices within two edges of some.
+    fn patch(&self, centre: &[u32], marks: &mut Marks) -> Vec<u32> {
+        marks.clear(self.web.places());
+        let mut patch: Vec<u32> = centre.iter().copied().filter(|&v| marks.mark(v)).collect();
+        let mut fan = Vec::new();
+        let mut start = 0;
+        for _ in 0..2 {
+            let end = patch.len();
+            for k in start..end {
+                self.web.fan(patch[k], &mut fan);
+                for &(_, a, b) in &fan {
+                    patch.extend([a, b].into_iter().filter(|&w| marks.mark(w)));
+                }
+            }
+            start = end;
+        }
+        patch
+    }
+
+    fn triangles_of(&self, patch: &[u32], marks: &mut Marks) -> Vec<u32> {
+        marks.clear(self.web.triangles_made());
+        let mut fan = Vec::new();
+        let mut triangles = Vec::new();
+        for &v in patch {
+            self.web.fan(v, &mut fan);
+            triangles.extend(fan.iter().map(|f| f.0).filter(|&t| marks.mark(t)));
+        }
+        triangles
+    }
+
+    /// What the triangles round these vertices cost, and the rim's straying there.
+    fn cost_of(&self, patch: &[u32], marks: &mut Marks) -> f64 {
+        let triangles = self.triangles_of(patch, marks);
+        let of = |t: u32| {
+            let [a, b, c] = self.web.corners(t).map(|v| self.web.point(v));
+            self.energy.of(a, b, c)
+        };
+        let straying = |&v: &u32| if (v as usize) < self.rim.len() { self.straying_cost(v as usize) } else { 0.0 };
+        triangles.into_iter().map(of).sum::<f64>() + patch.iter().map(straying).sum::<f64>()
+    }
+}
