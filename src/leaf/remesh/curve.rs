@@ -21,6 +21,8 @@ pub struct Curve<'a> {
     places: Vec<(usize, f64)>,
     /// Arc length up to each point, on the polygon of the points.
     arcs: Vec<f64>,
+    /// The last entry at or before each of as many even parts of the length as there are entries.
+    buckets: Vec<u32>,
     /// Area swept by the ray from the first point, up to each point.
     swept: Vec<f64>,
     /// Arc lengths at which the curve breaks its direction.
@@ -44,7 +46,8 @@ impl<'a> Curve<'a> {
             arcs.push(arcs[i] + (pair[1] - pair[0]).norm());
             swept.push(swept[i] + (pair[0] - points[0]).perp(&(pair[1] - points[0])) * 0.5);
         }
-        let mut curve = Self { spline, points, places, arcs, swept, corners: Vec::new() };
+        let buckets = buckets(&arcs);
+        let mut curve = Self { spline, points, places, arcs, buckets, swept, corners: Vec::new() };
         curve.corners = curve.breaks();
         curve
     }
@@ -73,7 +76,11 @@ impl<'a> Curve<'a> {
 
     /// Entry of the table before an arc length in 0..=length, and how far on to the next entry, 0..1.
     fn entry(&self, arc: f64) -> (usize, f64) {
-        let i = self.arcs.partition_point(|&a| a <= arc).clamp(1, self.arcs.len() - 1) - 1;
+        let bucket = ((arc / self.length() * self.buckets.len() as f64) as usize).min(self.buckets.len() - 1);
+        let mut i = self.buckets[bucket] as usize;
+        while i + 2 < self.arcs.len() && self.arcs[i + 1] <= arc {
+            i += 1;
+        }
         let side = self.arcs[i + 1] - self.arcs[i];
         (i, if side > 0.0 { ((arc - self.arcs[i]) / side).clamp(0.0, 1.0) } else { 0.0 })
     }
@@ -114,23 +121,33 @@ impl<'a> Curve<'a> {
         self.swept_to(end) - self.swept_to(start) + round - a.perp(&b) * 0.5
     }
 
-    /// How far the curve strays to either side of its chord, summed; looked at in a few points.
-    pub fn straying(&self, start: f64, end: f64) -> f64 {
-        let (start, end) = (self.wrapped(start), self.wrapped(end));
-        let (from, to) = (self.at(start), self.at(end));
-        let along = (to - from).try_normalize(0.0).unwrap_or_default();
+    /// How far the curve strays from a chord that stands for it from one arc length on to another; looked at in a few points.
+    pub fn straying(&self, [start, end]: [f64; 2], [from, to]: [DVec2; 2]) -> f64 {
+        let chord = to - from;
         let last = self.points.len() - 1;
         let first = self.entry(start).0 + 1;
         let span = self.entry(end).0 + if end <= start { last } else { 0 } - (first - 1);
         let looks = span.min(LOOKS);
-        let (mut low, mut high) = (0.0f64, 0.0f64);
+        let mut widest = 0.0f64;
         for k in 0..looks {
-            let i = first + k * (span - 1) / (looks - 1).max(1);
-            let off = along.perp(&(self.points[if i >= last { i - last } else { i }] - from));
-            (low, high) = (low.min(off), high.max(off));
+            let i = first + (2 * k + 1) * span / (2 * looks);
+            widest = widest.max(chord.perp(&(self.points[if i >= last { i - last } else { i }] - from)).abs());
         }
-        high - low
+        widest / chord.norm().max(f64::MIN_POSITIVE)
     }
+}
+
+fn buckets(arcs: &[f64]) -> Vec<u32> {
+    let count = arcs.len() - 1;
+    let mut entry = 0;
+    let start = |bucket: usize| arcs[count] * (bucket as f64 / count as f64) * (1.0 - 1e-12);
+    let entries = (0..count).map(|bucket| {
+        while entry + 2 < arcs.len() && arcs[entry + 1] <= start(bucket) {
+            entry += 1;
+        }
+        entry as u32
+    });
+    entries.collect()
 }
 
 fn chord(spline: &Spline, span: usize, eighth: u32) -> f64 {
@@ -162,7 +179,8 @@ mod tests {
         for start in [0.5, 6.0] {
             assert!((curve.cut(start, start + 1.0) - (1.0 - sincos(1.0).0) / 2.0).abs() < 1e-5);
             let height = 1.0 - sincos(0.5).1;
-            let straying = curve.straying(start, start + 1.0);
+            let [from, to] = [start, start + 1.0].map(|arc| curve.wrapped(arc));
+            let straying = curve.straying([from, to], [curve.at(from), curve.at(to)]);
             assert!(straying <= height + 1e-5 && straying > 0.95 * height);
         }
         assert!(curve.corners().is_empty());

@@ -57,13 +57,25 @@ pub struct Remesh {
 pub fn evened(loops: &[Spline], wanted: usize, iterations: u32) -> Result<Remesh, LeafError> {
     let curves = curves(loops, wanted)?;
     let (rim, spacing) = fitted(&curves, wanted)?;
-    let inner = wanted.saturating_sub(rim.len());
-    let mut points = rim.points();
-    let rings: Vec<&[DVec2]> = rim.loops.iter().map(|range| &points[range.clone()]).collect();
-    let seeds = if inner > 0 { seeds::lattice(&rings, spacing, inner, 0.0) } else { Vec::new() };
-    points.extend(seeds);
-    let topology = triangulated(&points, &rim.loops)?;
-    Rounds::new(points, topology, rim, spacing, wanted)?.run(iterations)
+    let rings = rim.points();
+    let loops = ranges(&rings);
+    let mut points = rings.concat();
+    let inner = wanted.saturating_sub(points.len());
+    if inner > 0 {
+        points.extend(seeds::lattice(&rings, spacing, inner, 0.0));
+    }
+    let topology = triangulated(&points, &loops)?;
+    Rounds::new(Remesh::of(points, loops, topology), rim, spacing, wanted)?.run(iterations)
+}
+
+/// The numbers of the points of each loop if all stand in one row.
+fn ranges<T>(loops: &[Vec<T>]) -> Vec<Range<usize>> {
+    let mut end = 0;
+    let range = |points: &Vec<T>| {
+        end += points.len();
+        end - points.len()..end
+    };
+    loops.iter().map(range).collect()
 }
 
 fn curves(loops: &[Spline], wanted: usize) -> Result<Vec<Curve<'_>>, LeafError> {
@@ -85,7 +97,7 @@ fn fitted<'a>(curves: &'a [Curve<'a>], wanted: usize) -> Result<(Rim<'a>, f64), 
     let mut spacing = (area / 0.75f64.sqrt() / wanted as f64).sqrt();
     let mut rim = Rim::fitted(curves, spacing)?;
     for _ in 0..2 {
-        let triangles = (2 * (wanted + curves.len())).saturating_sub(4 + rim.len()).max(wanted / 2);
+        let triangles = (2 * (wanted + curves.len())).saturating_sub(4 + rim.loops().concat().len()).max(wanted / 2);
         spacing = (2.0 * area / 0.75f64.sqrt() / triangles as f64).sqrt();
         rim = Rim::fitted(curves, spacing)?;
     }
@@ -102,23 +114,16 @@ struct Rounds<'a> {
 }
 
 impl<'a> Rounds<'a> {
-    fn new(
-        points: Vec<DVec2>,
-        topology: Topology,
-        rim: Rim<'a>,
-        spacing: f64,
-        wanted: usize,
-    ) -> Result<Self, LeafError> {
+    fn new(start: Remesh, rim: Rim<'a>, spacing: f64, wanted: usize) -> Result<Self, LeafError> {
         let narrow = || LeafError::Mesh { what: "the outline is too narrow to be triangulated".to_owned() };
-        let web = Web::new(points.clone(), topology.triangles.clone(), rim.len()).ok_or_else(narrow)?;
-        let quality = graded(&points, &rim.loops, &topology.triangles);
+        let edges = start.loops.iter().map(ExactSizeIterator::len).sum();
+        let web = Web::new(start.points.clone(), start.topology.triangles.clone(), edges).ok_or_else(narrow)?;
         let slack = (SLACK * wanted as f64) as usize;
-        let count = Count { now: points.len(), least: wanted.saturating_sub(slack), most: wanted + slack };
-        let loops = rim.loops.clone();
-        let best = Remesh { points, loops, topology, quality, rounds: 0, history: vec![quality] };
+        let count =
+            Count { now: start.points.len(), least: wanted.saturating_sub(slack), most: wanted + slack };
         let energy = Energy { doubled_area: spacing * spacing * 0.75f64.sqrt() };
         let mesher = Mesher::new(web, rim, energy, spacing);
-        Ok(Self { mesher, count, best, tried: Vec::new(), marks: Marks::default() })
+        Ok(Self { mesher, count, best: start, tried: Vec::new(), marks: Marks::default() })
     }
 
     fn run(mut self, iterations: u32) -> Result<Remesh, LeafError> {
@@ -149,17 +154,26 @@ impl<'a> Rounds<'a> {
     /// Takes the mesh as it stands if it is no worse than the best.
     fn keep_better(&mut self) {
         let web = &self.mesher.web;
-        let triangles: Vec<[u32; 3]> = web.triangles().map(|(_, corners)| corners).collect();
-        let quality = graded(web.points(), &self.best.loops, &triangles);
-        if quality.is_no_worse_than(&self.best.quality) && self.mesher.rim.is_simple(web.points()) {
-            let mut numbers = vec![web::NONE; web.places()];
-            let live = (0..web.places() as u32).filter(|&v| web.is_vertex(v));
-            self.best.points = live.clone().map(|v| web.point(v)).collect();
-            live.enumerate().for_each(|(number, v)| numbers[v as usize] = number as u32);
-            let renumbered = triangles.iter().map(|t| t.map(|v| numbers[v as usize]));
-            self.best.topology = Topology { triangles: renumbered.collect(), edges: Vec::new() };
-            self.best.quality = quality;
+        let rings = self.mesher.rim.loops();
+        let inner = (0..web.places() as u32).filter(|&v| web.is_vertex(v) && !self.mesher.rim.holds(v));
+        let order: Vec<u32> = rings.iter().flatten().copied().chain(inner).collect();
+        let mut numbers = vec![web::NONE; web.places()];
+        order.iter().enumerate().for_each(|(number, &v)| numbers[v as usize] = number as u32);
+        let points: Vec<DVec2> = order.iter().map(|&v| web.point(v)).collect();
+        let triangles: Vec<[u32; 3]> = web.triangles().map(|(_, t)| t.map(|v| numbers[v as usize])).collect();
+        let loops = ranges(&rings);
+        let quality = graded(&points, &loops, &triangles);
+        if quality.is_no_worse_than(&self.best.quality) && self.mesher.rim.is_simple() {
+            (self.best.points, self.best.loops, self.best.quality) = (points, loops, quality);
+            self.best.topology = Topology { triangles, edges: Vec::new() };
         }
         self.best.history.push(self.best.quality);
+    }
+}
+
+impl Remesh {
+    fn of(points: Vec<DVec2>, loops: Vec<Range<usize>>, topology: Topology) -> Self {
+        let quality = graded(&points, &loops, &topology.triangles);
+        Self { points, loops, topology, quality, rounds: 0, history: vec![quality] }
     }
 }

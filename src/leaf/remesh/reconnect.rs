@@ -8,14 +8,16 @@
 
 use crate::leaf::remesh::relocate::Mesher;
 use crate::leaf::remesh::triangulation::corner_angle;
-use crate::leaf::remesh::web::NONE;
+use crate::leaf::remesh::web::{NONE, Web};
 
 /// Passes of flipping, at most, in a round and in a trial.
 const PASSES: u32 = 8;
 /// Relaxing sweeps of a trial.
-const SWEEPS: u32 = 4;
+const SWEEPS: usize = 4;
 /// A change must lower the cost by this to be kept.
 const WORTH: f64 = 1e-6;
+/// Vertices of a triangle that costs more are tried though their triangle counts are right.
+const POOR: f64 = 0.5;
 /// A trial may raise the squared misses by this.
 const LEEWAY: i64 = 2;
 
@@ -26,6 +28,10 @@ enum Change {
     Split(u32, usize),
     /// The first vertex is drawn into the second.
     Collapse(u32, u32),
+    /// A rim edge gets a vertex between this one and the next.
+    SplitRim(u32),
+    /// The first rim vertex is drawn into the second, its neighbour on the loop.
+    CollapseRim(u32, u32),
 }
 
 /// How many vertices there may be.
@@ -101,18 +107,24 @@ impl Mesher<'_> {
 
     /// How many triangles a vertex has beyond what it should have.
     fn excess(&self, v: u32) -> i64 {
-        let mut fan = Vec::new();
-        self.web.fan(v, &mut fan);
-        fan.len() as i64 - self.wanted(v)
+        self.web.degree(v) as i64 - self.wanted(v)
     }
 
     fn wanted(&self, v: u32) -> i64 {
-        if v as usize >= self.rim.len() {
+        if !self.rim.holds(v) {
             return 6;
         }
-        let (before, after) = self.rim.beside(v as usize);
-        let [a, b, c] = [before as u32, v, after as u32].map(|v| self.web.point(v));
+        let [before, after] = self.rim.beside(v);
+        let [a, b, c] = [before, v, after].map(|v| self.web.point(v));
         ((corner_angle(a, b, c) / std::f64::consts::FRAC_PI_3).round() as i64).clamp(1, 5)
+    }
+
+    /// Whether a vertex has a triangle that costs much.
+    fn is_poor(&self, v: u32) -> bool {
+        let mut fan = Vec::new();
+        self.web.fan(v, &mut fan);
+        let p = self.web.point(v);
+        fan.iter().any(|&(_, a, b)| self.energy.of(p, self.web.point(a), self.web.point(b)) > POOR)
     }
 
     /// Tries changes at all vertices with a wrong number of triangles that were not tried since something changed there; how
@@ -121,7 +133,7 @@ impl Mesher<'_> {
         let mut kept = 0;
         for v in 0..self.web.places() as u32 {
             tried.resize(self.web.places(), false);
-            if !self.web.is_vertex(v) || tried[v as usize] || self.excess(v) == 0 {
+            if !self.web.is_vertex(v) || tried[v as usize] || (self.excess(v) == 0 && !self.is_poor(v)) {
                 continue;
             }
             tried[v as usize] = true;
@@ -146,6 +158,15 @@ impl Mesher<'_> {
             }
             let _ = a;
         }
+        if self.rim.holds(v) {
+            let [before, after] = self.rim.beside(v);
+            if count.now < count.most {
+                changes.extend([before, v].map(|v| (1, Change::SplitRim(v))));
+            }
+            if count.now > count.least && !self.rim.is_first(v) {
+                changes.extend([before, after].map(|w| (0, Change::CollapseRim(v, w))));
+            }
+        }
         changes.sort_by_key(|change: &(i64, Change)| change.0);
         changes.into_iter().find_map(|(_, change)| self.tried(change, count, marks))
     }
@@ -162,11 +183,10 @@ impl Mesher<'_> {
             changes.push((square(p + 1) + square(q + 1) + square(a) + square(b) + 1 - now, Change::Split(t, i)));
         }
         let [_, from, _, to] = corners;
-        let rim = self.rim.len() as u32;
-        let (from, to) = if from < rim { (to, from) } else { (from, to) };
-        if count.now > count.least && from >= rim {
-            // Two of the four triangles lost were of both; a vertex of the rim keeps its own aim.
-            let joined = a + b + if to < rim { 6 - 4 } else { 6 - 4 };
+        let (from, to) = if self.rim.holds(from) { (to, from) } else { (from, to) };
+        if count.now > count.least && !self.rim.holds(from) {
+            // Of the 6 triangles that the vertex drawn in should have, two are lost twice.
+            let joined = a + b + 2;
             changes.push((square(p - 1) + square(q - 1) + square(joined) - now, Change::Collapse(from, to)));
         }
         changes.retain(|change| change.0 <= LEEWAY);
@@ -177,50 +197,68 @@ impl Mesher<'_> {
     fn tried(&mut self, change: Change, count: &mut Count, marks: &mut Marks) -> Option<Vec<u32>> {
         let centre = match change {
             Change::Flip(t, i) | Change::Split(t, i) => self.web.diamond(t, i)?.0.to_vec(),
-            Change::Collapse(v, w) => vec![v, w],
+            Change::Collapse(v, w) | Change::CollapseRim(v, w) => vec![v, w],
+            Change::SplitRim(v) => vec![v, self.rim.beside(v)[1]],
         };
         let mut patch = self.patch(&centre, marks);
         let before = self.cost_of(&patch, marks);
         self.web.begin();
-        self.slid = Some(Vec::new());
-        let mut now = count.now;
-        let possible = match change {
+        self.rim.begin();
+        let better = self.made(change, &mut patch) && self.relaxes_below(before - WORTH, change, &patch, marks);
+        self.web.end(better);
+        self.rim.end(better);
+        self.awake.resize(self.web.places(), true);
+        better.then(|| {
+            match change {
+                Change::Flip(..) => {}
+                Change::Split(..) | Change::SplitRim(..) => count.now += 1,
+                Change::Collapse(..) | Change::CollapseRim(..) => count.now -= 1,
+            }
+            patch.iter().for_each(|&v| self.awake[v as usize] = true);
+            patch
+        })
+    }
+
+    /// Makes a change; false, the mesh perhaps half changed, where it cannot be.
+    fn made(&mut self, change: Change, patch: &mut Vec<u32>) -> bool {
+        let middle = |web: &Web, a: u32, b: u32| (web.point(a) + web.point(b)) * 0.5;
+        let new = match change {
             Change::Flip(t, i) => {
                 self.web.flip(t, i);
-                true
-            }
-            Change::Split(t, i) => {
-                let middle = (self.web.point(centre[1]) + self.web.point(centre[3])) * 0.5;
-                let new = self.web.split(t, i, middle);
-                patch.extend(new);
-                self.awake.resize(self.web.places(), true);
-                now += 1;
-                new.is_some()
+                return true;
             }
             Change::Collapse(v, w) => {
-                if w as usize >= self.rim.len() {
-                    let middle = (self.web.point(v) + self.web.point(w)) * 0.5;
-                    self.web.place(w, middle);
+                if !self.rim.holds(w) {
+                    self.web.place(w, middle(&self.web, v, w));
                 }
                 patch.retain(|&x| x != v);
-                now -= 1;
-                self.web.collapse(v, w)
+                return self.web.collapse(v, w);
+            }
+            Change::CollapseRim(v, w) => {
+                patch.retain(|&x| x != v);
+                let [before, after] = self.rim.beside(v);
+                // A loop of three is the least.
+                let is_least = self.rim.beside(before)[0] == after;
+                self.rim.remove(v);
+                return !is_least && self.web.collapse_rim(v, w);
+            }
+            Change::Split(t, i) => {
+                let [_, a, b] = [0, 1, 2].map(|k| self.web.corners(t)[(i + k) % 3]);
+                self.web.split(t, i, middle(&self.web, a, b))
+            }
+            Change::SplitRim(v) => {
+                let new = self.web.places() as u32;
+                let point = self.rim.insert(v, new);
+                let mut fan = Vec::new();
+                self.web.fan(v, &mut fan);
+                let t = fan[0].0;
+                let i = (self.web.corner(t, v) + 2) % 3;
+                self.web.split_rim(t, i, point)
             }
         };
-        let better = possible && self.relaxes_below(before - WORTH, change, &patch, marks);
-        self.web.end(better);
-        if better {
-            self.slid = None;
-            count.now = now;
-            self.awake.resize(self.web.places(), true);
-            patch.iter().for_each(|&v| self.awake[v as usize] = true);
-            return Some(patch);
-        }
-        for (v, arc) in self.slid.take().into_iter().flatten().rev() {
-            self.rim.arcs[v] = arc;
-        }
-        self.awake.truncate(self.web.places());
-        None
+        patch.extend(new);
+        self.awake.resize(self.web.places(), true);
+        new.is_some()
     }
 
     fn relaxes_below(&mut self, bar: f64, change: Change, patch: &[u32], marks: &mut Marks) -> bool {
@@ -239,6 +277,14 @@ impl Mesher<'_> {
             let cost = self.cost_of(patch, marks);
             if cost < bar {
                 return true;
+            }
+            let hopeless = match change {
+                Change::Flip(..) => [2.5, 1.0, 0.4, 0.0],
+                Change::Split(..) | Change::SplitRim(..) => [5.0, 2.0, 0.6, 0.0],
+                Change::Collapse(..) | Change::CollapseRim(..) => [1.2, 0.4, 0.15, 0.0],
+            };
+            if cost > bar + hopeless[sweep] {
+                return false;
             }
         }
         false
@@ -281,7 +327,7 @@ impl Mesher<'_> {
             let [a, b, c] = self.web.corners(t).map(|v| self.web.point(v));
             self.energy.of(a, b, c)
         };
-        let straying = |&v: &u32| if (v as usize) < self.rim.len() { self.straying_cost(v as usize) } else { 0.0 };
+        let straying = |&v: &u32| if self.rim.holds(v) { self.straying_cost(v) } else { 0.0 };
         triangles.into_iter().map(of).sum::<f64>() + patch.iter().map(straying).sum::<f64>()
     }
 }

@@ -14,7 +14,7 @@ const REST: f64 = 1e-3;
 /// How often a Newton step is halved.
 const HALVINGS: u32 = 4;
 /// What the square of the curve's straying from a chord (in spacings) costs: keeps vertices on round tips and sinuses.
-const STRAYING: f64 = 4.0;
+const STRAYING: f64 = 10.0;
 /// First and longest slide along the curve, in spacings.
 const SLIDE: f64 = 0.04;
 
@@ -34,20 +34,16 @@ pub struct Mesher<'a> {
     pub spacing: f64,
     /// Vertices that may have something to gain.
     pub awake: Vec<bool>,
-    /// How far each rim vertex tries to slide.
-    slides: Vec<f64>,
     /// Scratch.
     fan: Vec<Blade>,
     sides: Vec<(DVec2, DVec2)>,
-    /// Arc lengths before a trial.
-    pub slid: Option<Vec<(usize, f64)>>,
 }
 
 impl<'a> Mesher<'a> {
     /// A mesh at its start.
     pub fn new(web: Web, rim: Rim<'a>, energy: Energy, spacing: f64) -> Self {
-        let (awake, slides) = (vec![true; web.places()], vec![SLIDE * spacing; rim.len()]);
-        Self { web, rim, energy, spacing, awake, slides, fan: Vec::new(), sides: Vec::new(), slid: None }
+        let awake = vec![true; web.places()];
+        Self { web, rim, energy, spacing, awake, fan: Vec::new(), sides: Vec::new() }
     }
 
     /// Moves every vertex that is awake; the longest move.
@@ -71,12 +67,11 @@ impl<'a> Mesher<'a> {
 
     /// Moves one vertex to where its triangles cost less; how far.
     pub fn moved(&mut self, v: u32) -> f64 {
-        let rim = (v as usize) < self.rim.len();
-        if rim && self.rim.fixed[v as usize] {
+        if self.rim.is_fixed(v) {
             return 0.0;
         }
         self.look_round(v);
-        if rim { self.slide(v as usize) } else { self.step(v) }
+        if self.rim.holds(v) { self.slide(v) } else { self.step(v) }
     }
 
     fn look_round(&mut self, v: u32) {
@@ -105,60 +100,63 @@ impl<'a> Mesher<'a> {
         0.0
     }
 
-    fn slide(&mut self, v: usize) -> f64 {
-        let (before, after) = self.rim.beside(v);
-        let (before, after, arc) = (self.rim.arcs[before], self.rim.arcs[after], self.rim.arcs[v]);
+    fn slide(&mut self, v: u32) -> f64 {
+        let ends = self.rim.beside(v).map(|v| (self.rim.arc(v), self.web.point(v)));
+        let arc = self.rim.arc(v);
         let curve = self.rim.curve(v);
         let length = curve.length();
         let room = |from: f64, to: f64| if to > from { to - from } else { to - from + length };
-        let slide = self.slides[v].min(0.25 * room(before, arc)).min(0.25 * room(arc, after));
+        let most = self.rim.slide(v).min(SLIDE * self.spacing);
+        let slide = most.min(0.25 * room(ends[0].0, arc)).min(0.25 * room(arc, ends[1].0));
         let cost = |arc: f64| {
-            let [back, ahead] = [curve.straying(before, arc), curve.straying(arc, after)].map(|s| s / self.spacing);
-            self.cost_at(self.rim.at(v, arc)) + STRAYING * (back * back + ahead * ahead)
+            let (arc, point) = (curve.wrapped(arc), self.rim.at(v, arc));
+            self.cost_at(point) + self.straying_beside(v, (arc, point), ends)
         };
         let [low, here, high] = [cost(arc - slide), cost(arc), cost(arc + slide)];
         // The lowest point of the parabola through the three, if it opens upwards.
         let bend = low + high - 2.0 * here;
-        let best = if bend > 0.0 {
+        let best = if bend > 0.0 && bend.is_finite() {
             (0.5 * (low - high) / bend).clamp(-1.0, 1.0)
-        } else if low < high {
-            -1.0
+        } else if low.min(high) < here {
+            if low < high { -1.0 } else { 1.0 }
         } else {
-            1.0
+            0.0
         };
         let target = curve.wrapped(arc + best * slide);
         let gains = best != 0.0 && cost(target) < here;
-        let next = if best.abs() > 0.5 { slide * 2.0 } else { slide * 0.5 };
-        self.slides[v] = next.clamp(1e-3 * self.spacing, SLIDE * self.spacing);
+        let next = (if best.abs() > 0.5 { slide * 2.0 } else { slide * 0.5 }).max(1e-3 * self.spacing);
+        self.rim.move_to(v, if gains { target } else { arc }, next);
         if !gains {
             return 0.0;
         }
-        if let Some(slid) = &mut self.slid {
-            slid.push((v, arc));
-        }
-        self.rim.arcs[v] = target;
-        self.web.place(v as u32, self.rim.at(v, target));
+        self.web.place(v, self.rim.at(v, target));
         best.abs() * slide
     }
 
+    /// What the curve's straying from the chords beside a rim vertex costs if it stood at this arc length and place.
+    fn straying_beside(&self, v: u32, here: (f64, DVec2), [before, after]: [(f64, DVec2); 2]) -> f64 {
+        let straying = |a: (f64, DVec2), b: (f64, DVec2)| {
+            let straying = self.rim.curve(v).straying([a.0, b.0], [a.1, b.1]) / self.spacing;
+            STRAYING * straying * straying
+        };
+        straying(before, here) + straying(here, after)
+    }
+
     /// What the curve's straying from the chords beside a rim vertex costs.
-    pub fn straying_cost(&self, v: usize) -> f64 {
-        let (before, after) = self.rim.beside(v);
-        let [before, here, after] = [before, v, after].map(|v| self.rim.arcs[v]);
-        let curve = self.rim.curve(v);
-        let [back, ahead] = [curve.straying(before, here), curve.straying(here, after)].map(|s| s / self.spacing);
-        STRAYING * (back * back + ahead * ahead)
+    pub fn straying_cost(&self, v: u32) -> f64 {
+        let [before, after] = self.rim.beside(v);
+        let [before, here, after] = [before, v, after].map(|v| (self.rim.arc(v), self.web.point(v)));
+        self.straying_beside(v, here, [before, after])
     }
 
     /// Sets the rim off the curve anew, where that folds no triangle.
     pub fn set_off(&mut self) {
         self.rim.set_off(self.spacing);
-        for v in 0..self.rim.len() {
-            self.look_round(v as u32);
-            let (here, there) = (self.web.point(v as u32), self.rim.at(v, self.rim.arcs[v]));
-            let moves = here != there && self.cost_at(there) < 2.0 * self.cost_at(here) + 0.1;
-            if moves {
-                self.web.place(v as u32, there);
+        for v in self.rim.loops().into_iter().flatten() {
+            self.look_round(v);
+            let (here, there) = (self.web.point(v), self.rim.at(v, self.rim.arc(v)));
+            if self.cost_at(there) < 2.0 * self.cost_at(here) + 0.1 {
+                self.web.place(v, there);
             } else {
                 self.rim.keep_off(v, here);
             }

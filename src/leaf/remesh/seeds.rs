@@ -9,7 +9,7 @@ const CLEARANCE: f64 = 0.62;
 const TRIALS: u32 = 10;
 
 /// About `wanted` lattice points inside the loops, one row of the lattice turned by `angle` from +x.
-pub fn lattice(loops: &[&[DVec2]], spacing: f64, wanted: usize, angle: f64) -> Vec<DVec2> {
+pub fn lattice(loops: &[Vec<DVec2>], spacing: f64, wanted: usize, angle: f64) -> Vec<DVec2> {
     let (sine, cosine) = sincos(angle);
     let turned = |p: &DVec2| DVec2::new(cosine * p.x + sine * p.y, cosine * p.y - sine * p.x);
     let loops: Vec<Vec<DVec2>> = loops.iter().map(|points| points.iter().map(turned).collect()).collect();
@@ -125,7 +125,7 @@ mod tests {
         let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(x, y)| DVec2::new(x, y));
         for wanted in [1, 20, 300] {
             let spacing = (1.0 / 0.75f64.sqrt() / wanted as f64).sqrt();
-            let seeds = lattice(&[&square], spacing, wanted, 0.3);
+            let seeds = lattice(&[square.to_vec()], spacing, wanted, 0.3);
             assert!(seeds.len().abs_diff(wanted) as f64 <= 2.0 + 0.03 * wanted as f64, "{} of {wanted}", seeds.len());
         }
     }

@@ -142,6 +142,24 @@ impl Web {
         }
     }
 
+    /// How many triangles a vertex has.
+    pub fn degree(&self, v: u32) -> usize {
+        let start = self.first[v as usize];
+        let (mut t, mut count) = (start, 0);
+        // Once round, or to the rim and from the start to the rim the other way.
+        for way in [1, 2] {
+            while t != NONE {
+                count += 1;
+                t = self.beside[t as usize][(self.corner(t, v) + way) % 3];
+                if t == start {
+                    return count;
+                }
+            }
+            t = self.beside[start as usize][(self.corner(start, v) + 2) % 3];
+        }
+        count
+    }
+
     fn note(&mut self, change: Change) {
         if let Some(log) = &mut self.log {
             log.push(change);
@@ -253,6 +271,54 @@ impl Web {
         Some(m)
     }
 
+    /// Puts a new vertex on the rim's edge opposite to corner `i` of triangle `t`. `None` within.
+    pub fn split_rim(&mut self, t: u32, i: usize, point: DVec2) -> Option<u32> {
+        let [p, a, b] = turned(self.triangles[t as usize], i);
+        let [across, ta, tb] = turned(self.beside[t as usize], i);
+        (across == NONE).then(|| {
+            self.note(Change::NewVertex);
+            self.points.push(point);
+            self.first.push(NONE);
+            let m = (self.points.len() - 1) as u32;
+            let t2 = self.new_triangle();
+            self.set(t, [p, a, m], [NONE, t2, tb]);
+            self.set(t2, [p, m, b], [NONE, ta, t]);
+            self.relink(ta, t, t2);
+            for (v, first) in [(p, t), (a, t), (b, t2), (m, t)] {
+                self.set_first(v, first);
+            }
+            m
+        })
+    }
+
+    /// Removes the rim's vertex `v` by drawing it along the rim into its neighbour `w`; false, and nothing done, where that
+    /// would fold the mesh.
+    pub fn collapse_rim(&mut self, v: u32, w: u32) -> bool {
+        let (mut around, mut other) = (Vec::new(), Vec::new());
+        self.fan(v, &mut around);
+        self.fan(w, &mut other);
+        let touches = |x: u32| other.iter().any(|&(_, a, b)| a == x || b == x);
+        let neighbours = around.iter().map(|f| f.1).chain(around.last().map(|f| f.2));
+        let Some(&(t, a, b)) = around.iter().find(|&&(_, a, b)| a == w || b == w) else { return false };
+        let p = if a == w { b } else { a };
+        let inner = self.beside[t as usize][self.corner(t, w)];
+        let outer = self.beside[t as usize][self.corner(t, v)];
+        if neighbours.filter(|&x| touches(x)).count() != 1 || outer == NONE {
+            return false;
+        }
+        for &(triangle, ..) in around.iter().filter(|f| f.0 != t) {
+            let corners = self.triangles[triangle as usize].map(|x| if x == v { w } else { x });
+            self.set(triangle, corners, self.beside[triangle as usize]);
+        }
+        self.relink(inner, t, outer);
+        self.relink(outer, t, inner);
+        self.set_first(p, outer);
+        self.set_first(w, outer);
+        self.set(t, [NONE; 3], [NONE; 3]);
+        self.set_first(v, NONE);
+        true
+    }
+
     /// Removes the inner vertex `v` by drawing it into its neighbour `w`; false, and nothing done, where that would fold the
     /// mesh (the two share more neighbours than the two beside their edge).
     pub fn collapse(&mut self, v: u32, w: u32) -> bool {
@@ -329,20 +395,28 @@ mod tests {
     fn every_change_is_sound_and_can_be_undone() {
         let mut web = wheel();
         let before = (shape(&web), web.beside.clone(), web.points.clone());
-        let changes: [fn(&mut Web) -> bool; 4] = [
-            |web| {
+        let changes: [(usize, fn(&mut Web) -> bool); 7] = [
+            (7, |web| {
                 web.flip(0, 2);
                 true
-            },
-            |web| web.split(0, 2, DVec2::new(1.5, 1.0)) == Some(8),
-            |web| web.collapse(6, 3),
-            |web| web.split(3, 0, DVec2::new(-0.5, -1.0)).is_some_and(|m| web.collapse(6, m)),
+            }),
+            (7, |web| web.split(0, 2, DVec2::new(1.5, 1.0)) == Some(8)),
+            (7, |web| web.collapse(6, 3)),
+            (7, |web| web.split(3, 0, DVec2::new(-0.5, -1.0)).is_some_and(|m| web.collapse(6, m))),
+            (8, |web| web.split_rim(6, 0, DVec2::new(2.0, 2.0)) == Some(8)),
+            (6, |web| web.collapse_rim(7, 1)),
+            (6, |web| web.collapse_rim(3, 4)),
         ];
-        for change in changes {
+        for (rim, change) in changes {
             web.begin();
             assert!(change(&mut web) && web.is_sound());
             let vertices = web.first.iter().filter(|&&t| t != NONE).count();
-            assert_eq!(web.triangles().count(), 2 * vertices - 7 - 2, "Euler's formula with a rim of seven edges");
+            assert_eq!(web.triangles().count(), 2 * vertices - rim - 2, "Euler's formula");
+            let mut fan = Vec::new();
+            for v in (0..web.places() as u32).filter(|&v| web.is_vertex(v)) {
+                web.fan(v, &mut fan);
+                assert_eq!(fan.len(), web.degree(v));
+            }
             web.end(false);
             assert!(web.is_sound());
             assert_eq!((shape(&web), web.beside.clone(), web.points.clone()), before);
