@@ -9,19 +9,26 @@ use crate::base::vector::DVec2;
 
 /// The shape cost is S / D over this.
 const EVEN: f64 = 3.464_101_615_137_754_6;
+/// How much the size counts against the shape.
+const SIZE: f64 = 0.6;
+/// A triangle of this share of the wanted area counts as inverted.
+const FLAT: f64 = 1e-9;
 /// How much the square of the cost counts: the worst triangles count for more than their share.
 const WORST: f64 = 5.0;
 
 /// The cost of triangles with a wanted area.
 #[derive(Clone, Copy, Debug)]
 pub struct Energy {
-    /// Twice the wanted area.
-    pub doubled_area: f64,
+    /// Twice the wanted area, and one over it.
+    doubled_area: f64,
+    inverse_area: f64,
 }
 
-/// The value of a cost, and how it changes with one corner.
+/// How a cost changes with one corner.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Slope {
+    /// The cost.
+    pub value: f64,
     /// First derivatives.
     pub gradient: DVec2,
     /// Second derivatives xx, xy, yy.
@@ -29,39 +36,47 @@ pub struct Slope {
 }
 
 impl Energy {
+    /// The cost whose even triangle has sides of this length.
+    pub fn of_spacing(spacing: f64) -> Self {
+        let doubled_area = spacing * spacing * 0.75f64.sqrt();
+        Self { doubled_area, inverse_area: 1.0 / doubled_area }
+    }
+
     /// The cost; infinite unless the triangle is counter-clockwise.
     pub fn of(&self, p: DVec2, a: DVec2, b: DVec2) -> f64 {
         let (pa, pb, ab) = (a - p, b - p, b - a);
         let doubled = pa.perp(&pb);
-        if doubled <= self.doubled_area * 1e-9 {
+        let ratio = doubled * self.inverse_area;
+        if ratio <= FLAT {
             return f64::INFINITY;
         }
-        let squares = pa.norm_squared() + pb.norm_squared() + ab.norm_squared();
-        let ratio = doubled / self.doubled_area;
-        let plain = squares / (EVEN * doubled) + ratio + 1.0 / ratio - 3.0;
+        let over = 1.0 / doubled;
+        let shape = (pa.norm_squared() + pb.norm_squared() + ab.norm_squared()) * (over / EVEN);
+        let plain = shape - 1.0 + SIZE * (ratio + self.doubled_area * over - 2.0);
         plain + WORST * plain * plain
     }
 
-    /// Adds how the cost changes with the corner `p`; the triangle must be counter-clockwise.
+    /// Adds the cost and how it changes with the corner `p`; the triangle must be counter-clockwise.
     pub fn add_slope(&self, p: DVec2, a: DVec2, b: DVec2, slope: &mut Slope) {
         let (pa, pb, ab) = (a - p, b - p, b - a);
-        let over = 1.0 / pa.perp(&pb);
-        let squares = pa.norm_squared() + pb.norm_squared() + ab.norm_squared();
+        let doubled = pa.perp(&pb);
+        let over = 1.0 / doubled;
+        let by_side = over / EVEN;
+        let shape = (pa.norm_squared() + pb.norm_squared() + ab.norm_squared()) * by_side;
         let inverse = self.doubled_area * over;
-        let shape = squares * over / EVEN;
-        let plain = shape + 1.0 / inverse + inverse - 3.0;
+        let plain = shape - 1.0 + SIZE * (doubled * self.inverse_area + inverse - 2.0);
+        // How the doubled area and the sum of the squared sides change.
         let area = DVec2::new(-ab.y, ab.x);
         let sides = (pa + pb) * -2.0;
-        let by_side = over / EVEN;
-        let by_area = 1.0 / self.doubled_area - (shape + inverse) * over;
-        let gradient = sides * by_side + area * by_area;
-        let twice = 2.0 * (shape + inverse) * over * over;
-        let mixed = by_side * over;
+        let falling = (shape + SIZE * inverse) * over;
+        let gradient = sides * by_side + area * (SIZE * self.inverse_area - falling);
+        let (twice, mixed) = (2.0 * falling * over, by_side * over);
         let bend = |i: usize, j: usize| {
-            twice * area[i] * area[j] - mixed * (sides[i] * area[j] + area[i] * sides[j])
-                + if i == j { 4.0 * by_side } else { 0.0 }
+            let cross = mixed * (sides[i] * area[j] + area[i] * sides[j]);
+            twice * area[i] * area[j] - cross + if i == j { 4.0 * by_side } else { 0.0 }
         };
         let (steep, curved) = (1.0 + 2.0 * WORST * plain, 2.0 * WORST);
+        slope.value += plain + WORST * plain * plain;
         slope.gradient += gradient * steep;
         slope.bend[0] += steep * bend(0, 0) + curved * gradient.x * gradient.x;
         slope.bend[1] += steep * bend(0, 1) + curved * gradient.x * gradient.y;
@@ -92,7 +107,7 @@ mod tests {
 
     #[test]
     fn the_even_triangle_costs_nothing_and_the_inverted_everything() {
-        let energy = Energy { doubled_area: 0.75f64.sqrt() };
+        let energy = Energy::of_spacing(1.0);
         let (a, b, c) = (DVec2::zeros(), DVec2::x(), DVec2::new(0.5, 0.75f64.sqrt()));
         assert!(energy.of(c, a, b).abs() < 1e-14);
         assert_eq!(energy.of(c, b, a), f64::INFINITY);
@@ -101,7 +116,7 @@ mod tests {
 
     #[test]
     fn derivatives_agree_with_differences() {
-        let energy = Energy { doubled_area: 0.7 };
+        let energy = Energy::of_spacing(0.9);
         let slope_at = |p: DVec2| {
             let mut slope = Slope::default();
             energy.add_slope(p, A, B, &mut slope);
@@ -111,6 +126,7 @@ mod tests {
         for (i, e) in [DVec2::x(), DVec2::y()].into_iter().enumerate() {
             let rise = (energy.of(P + e * step, A, B) - energy.of(P - e * step, A, B)) / (2.0 * step);
             assert!((rise - slope_at(P).gradient[i]).abs() < 1e-7);
+            assert!((slope_at(P).value - energy.of(P, A, B)).abs() < 1e-12);
             let bend = (slope_at(P + e * step).gradient - slope_at(P - e * step).gradient) / (2.0 * step);
             assert!((bend.x - slope_at(P).bend[i]).abs() < 1e-6 && (bend.y - slope_at(P).bend[i + 1]).abs() < 1e-6);
         }

@@ -121,7 +121,7 @@ impl<'a> Rounds<'a> {
         let slack = (SLACK * wanted as f64) as usize;
         let count =
             Count { now: start.points.len(), least: wanted.saturating_sub(slack), most: wanted + slack };
-        let energy = Energy { doubled_area: spacing * spacing * 0.75f64.sqrt() };
+        let energy = Energy::of_spacing(spacing);
         let mesher = Mesher::new(web, rim, energy, spacing);
         Ok(Self { mesher, count, best: start, tried: Vec::new(), marks: Marks::default() })
     }

@@ -12,8 +12,8 @@ use crate::leaf::remesh::web::{NONE, Web};
 
 /// Passes of flipping, at most, in a round and in a trial.
 const PASSES: u32 = 8;
-/// Relaxing sweeps of a trial.
-const SWEEPS: usize = 4;
+/// The square of an edge may grow by this factor in a flip.
+const LONGER: f64 = 1.6;
 /// A change must lower the cost by this to be kept.
 const WORTH: f64 = 1e-6;
 /// Vertices of a triangle that costs more are tried though their triangle counts are right.
@@ -58,12 +58,38 @@ impl Marks {
         self.stamps.resize(count.max(self.stamps.len()), 0);
     }
 
+    fn is_marked(&self, i: u32) -> bool {
+        self.stamps[i as usize] == self.stamp
+    }
+
     /// Marks a number; false if it was marked.
     fn mark(&mut self, i: u32) -> bool {
         let stamp = &mut self.stamps[i as usize];
         let is_new = *stamp != self.stamp;
         *stamp = self.stamp;
         is_new
+    }
+}
+
+/// Vertices that a trial relaxes, those next to the change first.
+#[derive(Debug)]
+struct Patch {
+    vertices: Vec<u32>,
+    /// How many are next to the change.
+    inner: usize,
+}
+
+impl Patch {
+    fn gain(&mut self, new: Option<u32>) {
+        self.vertices.splice(0..0, new);
+        self.inner += usize::from(new.is_some());
+    }
+
+    fn lose(&mut self, v: u32) {
+        if let Some(at) = self.vertices.iter().position(|&x| x == v) {
+            self.vertices.remove(at);
+            self.inner -= usize::from(at < self.inner);
+        }
     }
 }
 
@@ -74,7 +100,7 @@ impl Mesher<'_> {
         let mut numbers: Vec<u32> = self.web.triangles().map(|(t, _)| t).collect();
         numbers.retain(|&t| self.web.corners(t).iter().any(|&v| self.awake[v as usize]));
         for _ in 0..PASSES {
-            let count = self.flip_among(&numbers);
+            let count = self.flip_among(&numbers, |_| true);
             flipped += count;
             if count == 0 {
                 break;
@@ -83,11 +109,11 @@ impl Mesher<'_> {
         flipped
     }
 
-    fn flip_among(&mut self, triangles: &[u32]) -> usize {
+    fn flip_among(&mut self, triangles: &[u32], may: impl Fn(u32) -> bool) -> usize {
         let mut flipped = 0;
         for &t in triangles {
             for i in 0..3 {
-                if self.web.corners(t)[0] != NONE && self.gains_by_flip(t, i) {
+                if self.web.corners(t)[0] != NONE && self.gains_by_flip(t, i) && may(self.web.opposite(t, i)) {
                     let [a, b, c] = self.web.corners(t);
                     self.web.flip(t, i);
                     [a, b, c].iter().chain(&self.web.corners(t)).for_each(|&v| self.awake[v as usize] = true);
@@ -101,6 +127,9 @@ impl Mesher<'_> {
     fn gains_by_flip(&self, t: u32, i: usize) -> bool {
         let Some((corners, _)) = self.web.diamond(t, i) else { return false };
         let [p, a, q, b] = corners.map(|v| self.web.point(v));
+        if (q - p).norm_squared() > LONGER * (b - a).norm_squared() {
+            return false;
+        }
         let now = self.energy.of(p, a, b) + self.energy.of(q, b, a);
         self.energy.of(p, a, q) + self.energy.of(q, b, p) < now - WORTH
     }
@@ -137,7 +166,7 @@ impl Mesher<'_> {
                 continue;
             }
             tried[v as usize] = true;
-            if let Some(touched) = self.change_at(v, count, marks) {
+            if let Some(touched) = self.change_at(v, count, tried, marks) {
                 tried.resize(self.web.places(), false);
                 touched.into_iter().for_each(|w| tried[w as usize] = false);
                 kept += 1;
@@ -147,16 +176,21 @@ impl Mesher<'_> {
     }
 
     /// The first change at the edges round a vertex that lowers the cost is kept; the vertices it touched.
-    fn change_at(&mut self, v: u32, count: &mut Count, marks: &mut Marks) -> Option<Vec<u32>> {
+    fn change_at(&mut self, v: u32, count: &mut Count, tried: &[bool], marks: &mut Marks) -> Option<Vec<u32>> {
         let mut fan = Vec::new();
         self.web.fan(v, &mut fan);
         let mut changes = Vec::new();
-        for &(t, a, _) in &fan {
+        // What was tried from another corner of the same diamond need not be tried again.
+        let is_new = |t: u32, i: usize| {
+            self.web.diamond(t, i).is_some_and(|(corners, _)| corners.iter().all(|&x| x == v || !tried[x as usize]))
+        };
+        for &(t, ..) in &fan {
             let i = self.web.corner(t, v);
             for corner in [i, (i + 2) % 3] {
-                changes.extend(self.promising(t, corner, count));
+                if is_new(t, corner) {
+                    changes.extend(self.promising(t, corner, count));
+                }
             }
-            let _ = a;
         }
         if self.rim.holds(v) {
             let [before, after] = self.rim.beside(v);
@@ -201,7 +235,7 @@ impl Mesher<'_> {
             Change::SplitRim(v) => vec![v, self.rim.beside(v)[1]],
         };
         let mut patch = self.patch(&centre, marks);
-        let before = self.cost_of(&patch, marks);
+        let before = self.cost_of(&self.triangles_of(&patch.vertices, marks), &patch.vertices);
         self.web.begin();
         self.rim.begin();
         let better = self.made(change, &mut patch) && self.relaxes_below(before - WORTH, change, &patch, marks);
@@ -214,13 +248,13 @@ impl Mesher<'_> {
                 Change::Split(..) | Change::SplitRim(..) => count.now += 1,
                 Change::Collapse(..) | Change::CollapseRim(..) => count.now -= 1,
             }
-            patch.iter().for_each(|&v| self.awake[v as usize] = true);
-            patch
+            patch.vertices.iter().for_each(|&v| self.awake[v as usize] = true);
+            patch.vertices
         })
     }
 
     /// Makes a change; false, the mesh perhaps half changed, where it cannot be.
-    fn made(&mut self, change: Change, patch: &mut Vec<u32>) -> bool {
+    fn made(&mut self, change: Change, patch: &mut Patch) -> bool {
         let middle = |web: &Web, a: u32, b: u32| (web.point(a) + web.point(b)) * 0.5;
         let new = match change {
             Change::Flip(t, i) => {
@@ -231,11 +265,11 @@ impl Mesher<'_> {
                 if !self.rim.holds(w) {
                     self.web.place(w, middle(&self.web, v, w));
                 }
-                patch.retain(|&x| x != v);
+                patch.lose(v);
                 return self.web.collapse(v, w);
             }
             Change::CollapseRim(v, w) => {
-                patch.retain(|&x| x != v);
+                patch.lose(v);
                 let [before, after] = self.rim.beside(v);
                 // A loop of three is the least.
                 let is_least = self.rim.beside(before)[0] == after;
@@ -256,78 +290,74 @@ impl Mesher<'_> {
                 self.web.split_rim(t, i, point)
             }
         };
-        patch.extend(new);
+        patch.gain(new);
         self.awake.resize(self.web.places(), true);
         new.is_some()
     }
 
-    fn relaxes_below(&mut self, bar: f64, change: Change, patch: &[u32], marks: &mut Marks) -> bool {
-        let start = self.cost_of(patch, marks);
-        if !start.is_finite() {
+    fn relaxes_below(&mut self, bar: f64, change: Change, patch: &Patch, marks: &mut Marks) -> bool {
+        let triangles = self.triangles_of(&patch.vertices, marks);
+        if !self.cost_of(&triangles, &patch.vertices).is_finite() {
             return false;
         }
-        for sweep in 0..SWEEPS {
-            for &v in patch {
+        let hopeless = match change {
+            Change::Flip(..) => [2.5, 1.0, 0.4, 0.0],
+            Change::Split(..) | Change::SplitRim(..) => [5.0, 2.0, 0.6, 0.0],
+            Change::Collapse(..) | Change::CollapseRim(..) => [1.2, 0.4, 0.15, 0.0],
+        };
+        for (sweep, hopeless) in hopeless.into_iter().enumerate() {
+            let reach = if sweep < 2 { patch.inner } else { patch.vertices.len() };
+            for &v in &patch.vertices[..reach] {
                 self.moved(v);
             }
             if !matches!(change, Change::Flip(..)) || sweep > 1 {
-                let triangles = self.triangles_of(patch, marks);
-                self.flip_among(&triangles);
+                self.flip_among(&triangles, |u| marks.is_marked(u));
             }
-            let cost = self.cost_of(patch, marks);
-            if cost < bar {
-                return true;
-            }
-            let hopeless = match change {
-                Change::Flip(..) => [2.5, 1.0, 0.4, 0.0],
-                Change::Split(..) | Change::SplitRim(..) => [5.0, 2.0, 0.6, 0.0],
-                Change::Collapse(..) | Change::CollapseRim(..) => [1.2, 0.4, 0.15, 0.0],
-            };
-            if cost > bar + hopeless[sweep] {
-                return false;
+            let cost = self.cost_of(&triangles, &patch.vertices);
+            if cost < bar || cost > bar + hopeless {
+                return cost < bar;
             }
         }
         false
     }
 
     /// The vertices within two edges of some.
-    fn patch(&self, centre: &[u32], marks: &mut Marks) -> Vec<u32> {
+    fn patch(&self, centre: &[u32], marks: &mut Marks) -> Patch {
         marks.clear(self.web.places());
-        let mut patch: Vec<u32> = centre.iter().copied().filter(|&v| marks.mark(v)).collect();
+        let mut vertices: Vec<u32> = centre.iter().copied().filter(|&v| marks.mark(v)).collect();
         let mut fan = Vec::new();
-        let mut start = 0;
+        let (mut start, mut inner) = (0, 0);
         for _ in 0..2 {
-            let end = patch.len();
-            for k in start..end {
-                self.web.fan(patch[k], &mut fan);
+            inner = vertices.len();
+            for k in start..inner {
+                self.web.fan(vertices[k], &mut fan);
                 for &(_, a, b) in &fan {
-                    patch.extend([a, b].into_iter().filter(|&w| marks.mark(w)));
+                    vertices.extend([a, b].into_iter().filter(|&w| marks.mark(w)));
                 }
             }
-            start = end;
+            start = inner;
         }
-        patch
+        Patch { vertices, inner }
     }
 
-    fn triangles_of(&self, patch: &[u32], marks: &mut Marks) -> Vec<u32> {
+    fn triangles_of(&self, vertices: &[u32], marks: &mut Marks) -> Vec<u32> {
         marks.clear(self.web.triangles_made());
         let mut fan = Vec::new();
         let mut triangles = Vec::new();
-        for &v in patch {
+        for &v in vertices {
             self.web.fan(v, &mut fan);
             triangles.extend(fan.iter().map(|f| f.0).filter(|&t| marks.mark(t)));
         }
         triangles
     }
 
-    /// What the triangles round these vertices cost, and the rim's straying there.
-    fn cost_of(&self, patch: &[u32], marks: &mut Marks) -> f64 {
-        let triangles = self.triangles_of(patch, marks);
-        let of = |t: u32| {
+    /// What triangles cost, and the rim's straying at vertices.
+    fn cost_of(&self, triangles: &[u32], vertices: &[u32]) -> f64 {
+        let of = |&t: &u32| {
             let [a, b, c] = self.web.corners(t).map(|v| self.web.point(v));
             self.energy.of(a, b, c)
         };
         let straying = |&v: &u32| if self.rim.holds(v) { self.straying_cost(v) } else { 0.0 };
-        triangles.into_iter().map(of).sum::<f64>() + patch.iter().map(straying).sum::<f64>()
+        triangles.iter().map(of).sum::<f64>() + vertices.iter().map(straying).sum::<f64>()
     }
 }

@@ -89,7 +89,7 @@ impl<'a> Mesher<'a> {
         let start = self.web.point(v);
         let mut slope = Slope::default();
         self.sides.iter().for_each(|&(a, b)| self.energy.add_slope(start, a, b, &mut slope));
-        let (before, mut step) = (self.cost_at(start), slope.step());
+        let (before, mut step) = (slope.value, slope.step());
         for _ in 0..=HALVINGS {
             if self.cost_at(start + step) < before {
                 self.web.place(v, start + step);

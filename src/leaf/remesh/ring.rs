@@ -18,7 +18,7 @@ const SHORTEST: usize = 5;
 const LONGEST: usize = 18;
 const STEPS: usize = LONGEST - SHORTEST + 1;
 /// Weights of straying (in spacings) and of angles (in thirds of pi) against lengths (in spacings).
-const STRAYING: f64 = 8.0;
+const STRAYING: f64 = 4.0;
 const ANGLE: f64 = 1.0;
 
 /// The candidates of a loop.
