@@ -96,7 +96,7 @@ fn fitted<'a>(curves: &'a [Curve<'a>], wanted: usize) -> Result<(Rim<'a>, f64), 
     let area: f64 = curves.iter().map(Curve::area).sum();
     let mut spacing = (area / 0.75f64.sqrt() / wanted as f64).sqrt();
     let mut rim = Rim::fitted(curves, spacing)?;
-    for _ in 0..2 {
+    for _ in 0..1 {
         let triangles = (2 * (wanted + curves.len())).saturating_sub(4 + rim.loops().concat().len()).max(wanted / 2);
         spacing = (2.0 * area / 0.75f64.sqrt() / triangles as f64).sqrt();
         rim = Rim::fitted(curves, spacing)?;

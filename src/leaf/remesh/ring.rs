@@ -1,6 +1,6 @@
 //! Where the vertices stand on a loop of the outline: of all ways round, the one that costs least.
 //!
-//! Candidates stand ten to a spacing, one of them on each corner. A way round is a chain of chords; a chord costs by the square
+//! Candidates stand eight to a spacing, one of them on each corner. A way round is a chain of chords; a chord costs by the square
 //! of its length's miss of the spacing and of how far the curve strays from it (so that tips and sinuses that show at this
 //! spacing become vertices), a joint of two chords by how far its angle is from a whole number of angles of 60 degrees (so
 //! that even triangles fit). The cheapest chain is found by dynamic programming over pairs of neighbouring vertices.
@@ -11,11 +11,11 @@ use crate::leaf::remesh::curve::Curve;
 use std::f64::consts::{FRAC_PI_3, PI, TAU};
 
 /// Candidates in a spacing, and the fewest in a loop.
-const FINENESS: f64 = 10.0;
-const FEWEST: usize = 40;
+const FINENESS: f64 = 8.0;
+const FEWEST: usize = 32;
 /// Candidates from one vertex to the next, at least and at most.
 const SHORTEST: usize = 5;
-const LONGEST: usize = 18;
+const LONGEST: usize = 13;
 const STEPS: usize = LONGEST - SHORTEST + 1;
 /// Weights of straying (in spacings) and of angles (in thirds of pi) against lengths (in spacings).
 const STRAYING: f64 = 4.0;
