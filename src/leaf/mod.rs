@@ -18,16 +18,13 @@ mod outline;
 mod petiole;
 mod polygon;
 mod preview;
-mod quality;
 mod remesh;
-mod ring;
 mod scan;
 mod segmentation;
 mod spline;
 mod strip;
 mod symmetry;
 mod trace;
-mod triangulation;
 mod truth;
 mod two_colours;
 mod veins;
@@ -246,12 +243,13 @@ pub fn preview(picture: &Picture, traced: &Traced) -> Picture {
 }
 
 /// What a trace leaves for the person to know.
-fn notes(trace: &Trace) -> Vec<String> {
-    let mut notes = Vec::new();
-    if trace.others > 0 {
-        notes.push(format!("{} other leaves lie on the sheet; the largest one was taken", trace.others));
-    }
-    notes
+fn notes(trace: &Trace) -> Option<String> {
+    let leaves = match trace.others {
+        0 => return None,
+        1 => "another leaf lies".to_owned(),
+        others => format!("{others} other leaves lie"),
+    };
+    Some(format!("{leaves} on the sheet of leaf.picture; the largest was taken"))
 }
 
 /// Settings with the outline that was found in place of the picture, rounded as in a file.
@@ -281,8 +279,8 @@ fn blade(settings: &Settings, pictures: Pictures, trace: Option<&Trace>) -> Resu
     }
     let shape = Shape::of(settings)?;
     let outlines: Vec<Vec<DVec2>> = shape.loops.iter().map(|spline| dense(spline, settings.length * 1e-3)).collect();
-    let mesh = remesh::evened(&outlines[0], settings.vertices as usize, settings.iterations)?;
-    let mut figures = figures(&mesh, &outlines[0], shape.keys.len(), trace);
+    let mesh = remesh::evened(&shape.loops, settings.vertices as usize, settings.iterations)?;
+    let mut figures = figures(&mesh, &outlines, shape.keys.len(), trace);
     let mut flat = laid_out(&mesh);
     let scanned = pictures.picture.zip(trace);
     let veins = veins::grown(&outlines[0], settings.venation);
@@ -351,7 +349,7 @@ fn dense(spline: &Spline, length: f64) -> Vec<DVec2> {
 
 /// The mesh by the contract of [`FlatMesh`]; greys are left out.
 fn laid_out(mesh: &Remesh) -> FlatMesh {
-    let rim = &mesh.points[..mesh.rim];
+    let rim = &mesh.points[mesh.loops[0].clone()];
     let low = rim.iter().fold(rim[0], |low, p| low.inf(p));
     let high = rim.iter().fold(rim[0], |high, p| high.sup(p));
     let (middle, size) = ((low + high) * 0.5, (high - low).max());
@@ -360,7 +358,7 @@ fn laid_out(mesh: &Remesh) -> FlatMesh {
     let mut flat = FlatMesh {
         positions: mesh.points.clone(),
         triangles: mesh.topology.triangles.clone(),
-        rim: (0..mesh.rim as u32).collect(),
+        rim: (0..mesh.loops[0].end as u32).collect(),
         held: held(mesh),
         uv_scale,
         uv_origin,
@@ -384,9 +382,13 @@ fn held(mesh: &Remesh) -> Vec<u32> {
     held
 }
 
-fn figures(mesh: &Remesh, outline: &[DVec2], keys: usize, trace: Option<&Trace>) -> Figures {
-    let rim = &mesh.points[..mesh.rim];
-    let reached = polygon::hausdorff(rim, outline);
+fn figures(mesh: &Remesh, outlines: &[Vec<DVec2>], keys: usize, trace: Option<&Trace>) -> Figures {
+    let rings: Vec<&[DVec2]> = mesh.loops.iter().map(|ring| &mesh.points[ring.clone()]).collect();
+    let farthest = |lines: &[Vec<DVec2>]| {
+        rings.iter().zip(lines).map(|(ring, line)| polygon::hausdorff(ring, line)).fold(0.0, f64::max)
+    };
+    let doubled_area = |lines: &mut dyn Iterator<Item = &[DVec2]>| lines.map(polygon::doubled_area).sum::<f64>();
+    let area = doubled_area(&mut outlines.iter().map(Vec::as_slice));
     let quality = mesh.quality;
     let mut figures = Figures::of(1)
         .with("vertices", mesh.points.len())
@@ -397,21 +399,47 @@ fn figures(mesh: &Remesh, outline: &[DVec2], keys: usize, trace: Option<&Trace>)
         .with("q_mean", quality.q_mean)
         .with("q_p05", quality.q_p05)
         .with("key_points", keys)
+        .with("holes", rings.len() - 1)
         .with("rounds", mesh.rounds)
-        .with("area_error", polygon::doubled_area(rim) / polygon::doubled_area(outline) - 1.0);
+        .with("quality_by_round", by_round(mesh))
+        .with("area_error", doubled_area(&mut rings.iter().copied()) / area - 1.0);
     if let Some(trace) = trace {
-        let plane: Vec<DVec2> = trace.outline.iter().map(|&p| trace.pose.plane(p)).collect();
-        let pixels = polygon::hausdorff(rim, &plane) / trace.pose.scale;
-        figures = figures.with("outline_hausdorff_px", trace.hausdorff).with("boundary_hausdorff_px", pixels);
+        let plane = |line: &Vec<DVec2>| line.iter().map(|&p| trace.pose.plane(p)).collect::<Vec<DVec2>>();
+        let traced: Vec<Vec<DVec2>> = std::iter::once(&trace.outline).chain(&trace.holes).map(plane).collect();
+        figures = figures
+            .with("outline_hausdorff_px", trace.hausdorff)
+            .with("boundary_hausdorff_px", farthest(&traced) / trace.pose.scale)
+            .with("joint_px", [trace.pose.joint.x, trace.pose.joint.y].to_vec())
+            .with("filled_gaps", trace.filled)
+            .with("other_leaves", trace.others);
+        figures.notes.extend(notes(trace));
     }
     figures.error = Some(ErrorFigure {
         metric: "Hausdorff distance of the mesh's rim from the outline".to_owned(),
-        value: reached * 1e3,
+        value: farthest(outlines) * 1e3,
         unit: "mm".to_owned(),
         bound: None,
         how: "measured both ways at the corners and three points of each side".to_owned(),
     });
     figures
+}
+
+/// The figures of the mesh if there had been fewer rounds, where they are those of the paper's Figure 2, and the last.
+fn by_round(mesh: &Remesh) -> serde_json::Value {
+    let last = mesh.history.len().saturating_sub(1);
+    let rounds = [0, 10, 40, 160].map(|round: usize| round.min(last));
+    let row = |&round: &usize| {
+        let quality = &mesh.history[round];
+        serde_json::json!({
+            "round": round,
+            "q_mean": quality.q_mean,
+            "min_angle_deg": quality.min_angle.to_degrees(),
+            "edge_cv": quality.edge_cv,
+        })
+    };
+    let mut rounds: Vec<usize> = rounds.into_iter().filter(|_| !mesh.history.is_empty()).collect();
+    rounds.dedup();
+    rounds.iter().map(row).collect()
 }
 
 #[cfg(test)]

@@ -68,23 +68,33 @@ fn cross(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
     abc * abd <= 0.0 && cda * cdb <= 0.0
 }
 
-/// The first pair of sides (by number) that touch or cross without being neighbours. A sweep over x.
+/// The first pair of sides (by number) that touch or cross without being neighbours.
 pub fn crossing(points: &[DVec2]) -> Option<(usize, usize)> {
-    let count = points.len();
-    let ends = |i: usize| (points[i], points[(i + 1) % count]);
-    let low = |i: usize| ends(i).0.x.min(ends(i).1.x);
-    let high = |i: usize| ends(i).0.x.max(ends(i).1.x);
-    let mut order: Vec<usize> = (0..count).collect();
-    order.sort_by(|&i, &j| low(i).total_cmp(&low(j)).then(i.cmp(&j)));
-    let mut found: Option<(usize, usize)> = None;
-    for (rank, &i) in order.iter().enumerate() {
-        let (a, b) = ends(i);
-        for &j in order[rank + 1..].iter().take_while(|&&j| low(j) <= high(i)) {
-            let neighbours = (i + 1) % count == j || (j + 1) % count == i;
-            let (c, d) = ends(j);
-            if !neighbours && cross(a, b, c, d) {
-                let pair = (i.min(j), i.max(j));
-                found = Some(found.map_or(pair, |best| best.min(pair)));
+    let pairs = crossings(std::slice::from_ref(&points.to_vec()));
+    pairs.into_iter().map(|[(_, i), (_, j)]| (i.min(j), i.max(j))).min()
+}
+
+/// All pairs of sides (loop, number) that touch or cross without being neighbours in one loop. A sweep over x.
+pub fn crossings(loops: &[Vec<DVec2>]) -> Vec<[(usize, usize); 2]> {
+    let numbered = |(k, points): (usize, &Vec<DVec2>)| (0..points.len()).map(|i| (k, i)).collect::<Vec<_>>();
+    let ends = |(k, i): (usize, usize)| (loops[k][i], loops[k][(i + 1) % loops[k].len()]);
+    let low = |side: (usize, usize)| ends(side).0.x.min(ends(side).1.x);
+    let mut order: Vec<(f64, (usize, usize))> =
+        loops.iter().enumerate().flat_map(numbered).map(|side| (low(side), side)).collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let are_neighbours = |(k, i): (usize, usize), (m, j): (usize, usize)| {
+        let count = loops[k].len();
+        k == m && ((i + 1) % count == j || (j + 1) % count == i)
+    };
+    let mut found = Vec::new();
+    for (rank, &(_, one)) in order.iter().enumerate() {
+        let (a, b) = ends(one);
+        let (lower, upper) = (a.y.min(b.y), a.y.max(b.y));
+        for &(_, other) in order[rank + 1..].iter().take_while(|side| side.0 <= a.x.max(b.x)) {
+            let (c, d) = ends(other);
+            let overlap = c.y.min(d.y) <= upper && c.y.max(d.y) >= lower;
+            if overlap && !are_neighbours(one, other) && cross(a, b, c, d) {
+                found.push([one, other]);
             }
         }
     }

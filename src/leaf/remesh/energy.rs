@@ -1,0 +1,134 @@
+//! What a triangle costs: nought if it is equilateral and has the wanted area, without bound as its area goes to nought.
+//!
+//! With S the sum of its squared sides, D its doubled area and D0 the wanted one, the shape's cost is the inverse mean ratio
+//! S / (2 sqrt(3) D) (Liu and Joe 1994; 1 for the equilateral triangle) and the size's D/D0 + D0/D. To second order in
+//! the strain their sum is what springs along the sides cost, so that low cost is even edges. Each summand is convex in
+//! one corner while D > 0 (a quadratic over a linear function), so Newton's step for a corner is always downhill.
+
+use crate::base::vector::DVec2;
+
+/// The shape cost is S / D over this.
+const EVEN: f64 = 3.464_101_615_137_754_6;
+/// How much the size counts against the shape.
+const SIZE: f64 = 0.6;
+/// A triangle of this share of the wanted area counts as inverted.
+const FLAT: f64 = 1e-9;
+/// How much the square of the cost counts: the worst triangles count for more than their share.
+const WORST: f64 = 5.0;
+
+/// The cost of triangles with a wanted area.
+#[derive(Clone, Copy, Debug)]
+pub struct Energy {
+    /// Twice the wanted area, and one over it.
+    doubled_area: f64,
+    inverse_area: f64,
+}
+
+/// How a cost changes with one corner.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Slope {
+    /// The cost.
+    pub value: f64,
+    /// First derivatives.
+    pub gradient: DVec2,
+    /// Second derivatives xx, xy, yy.
+    pub bend: [f64; 3],
+}
+
+impl Energy {
+    /// The cost whose even triangle has sides of this length.
+    pub fn of_spacing(spacing: f64) -> Self {
+        let doubled_area = spacing * spacing * 0.75f64.sqrt();
+        Self { doubled_area, inverse_area: 1.0 / doubled_area }
+    }
+
+    /// The cost; infinite unless the triangle is counter-clockwise.
+    pub fn of(&self, p: DVec2, a: DVec2, b: DVec2) -> f64 {
+        let (pa, pb, ab) = (a - p, b - p, b - a);
+        let doubled = pa.perp(&pb);
+        let ratio = doubled * self.inverse_area;
+        if ratio <= FLAT {
+            return f64::INFINITY;
+        }
+        let over = 1.0 / doubled;
+        let shape = (pa.norm_squared() + pb.norm_squared() + ab.norm_squared()) * (over / EVEN);
+        let plain = shape - 1.0 + SIZE * (ratio + self.doubled_area * over - 2.0);
+        plain + WORST * plain * plain
+    }
+
+    /// Adds the cost and how it changes with the corner `p`; the triangle must be counter-clockwise.
+    pub fn add_slope(&self, p: DVec2, a: DVec2, b: DVec2, slope: &mut Slope) {
+        let (pa, pb, ab) = (a - p, b - p, b - a);
+        let doubled = pa.perp(&pb);
+        let over = 1.0 / doubled;
+        let by_side = over / EVEN;
+        let shape = (pa.norm_squared() + pb.norm_squared() + ab.norm_squared()) * by_side;
+        let inverse = self.doubled_area * over;
+        let plain = shape - 1.0 + SIZE * (doubled * self.inverse_area + inverse - 2.0);
+        // How the doubled area and the sum of the squared sides change.
+        let area = DVec2::new(-ab.y, ab.x);
+        let sides = (pa + pb) * -2.0;
+        let falling = (shape + SIZE * inverse) * over;
+        let gradient = sides * by_side + area * (SIZE * self.inverse_area - falling);
+        let (twice, mixed) = (2.0 * falling * over, by_side * over);
+        let bend = |i: usize, j: usize| {
+            let cross = mixed * (sides[i] * area[j] + area[i] * sides[j]);
+            twice * area[i] * area[j] - cross + if i == j { 4.0 * by_side } else { 0.0 }
+        };
+        let (steep, curved) = (1.0 + 2.0 * WORST * plain, 2.0 * WORST);
+        slope.value += plain + WORST * plain * plain;
+        slope.gradient += gradient * steep;
+        slope.bend[0] += steep * bend(0, 0) + curved * gradient.x * gradient.x;
+        slope.bend[1] += steep * bend(0, 1) + curved * gradient.x * gradient.y;
+        slope.bend[2] += steep * bend(1, 1) + curved * gradient.y * gradient.y;
+    }
+}
+
+impl Slope {
+    /// Newton's step; nought where the second derivatives are not those of a valley.
+    pub fn step(&self) -> DVec2 {
+        let [xx, xy, yy] = self.bend;
+        let determinant = xx * yy - xy * xy;
+        if determinant.is_nan() || determinant <= 0.0 || xx <= 0.0 {
+            return DVec2::zeros();
+        }
+        let g = self.gradient;
+        DVec2::new(xy * g.y - yy * g.x, xy * g.x - xx * g.y) / determinant
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const A: DVec2 = DVec2::new(0.1, -0.2);
+    const B: DVec2 = DVec2::new(1.2, 0.1);
+    const P: DVec2 = DVec2::new(0.3, 0.9);
+
+    #[test]
+    fn the_even_triangle_costs_nothing_and_the_inverted_everything() {
+        let energy = Energy::of_spacing(1.0);
+        let (a, b, c) = (DVec2::zeros(), DVec2::x(), DVec2::new(0.5, 0.75f64.sqrt()));
+        assert!(energy.of(c, a, b).abs() < 1e-14);
+        assert_eq!(energy.of(c, b, a), f64::INFINITY);
+        assert!(energy.of(c * 1.2, a * 1.2, b * 1.2) > 0.1);
+    }
+
+    #[test]
+    fn derivatives_agree_with_differences() {
+        let energy = Energy::of_spacing(0.9);
+        let slope_at = |p: DVec2| {
+            let mut slope = Slope::default();
+            energy.add_slope(p, A, B, &mut slope);
+            slope
+        };
+        let step = 1e-5;
+        for (i, e) in [DVec2::x(), DVec2::y()].into_iter().enumerate() {
+            let rise = (energy.of(P + e * step, A, B) - energy.of(P - e * step, A, B)) / (2.0 * step);
+            assert!((rise - slope_at(P).gradient[i]).abs() < 1e-7);
+            assert!((slope_at(P).value - energy.of(P, A, B)).abs() < 1e-12);
+            let bend = (slope_at(P + e * step).gradient - slope_at(P - e * step).gradient) / (2.0 * step);
+            assert!((bend.x - slope_at(P).bend[i]).abs() < 1e-6 && (bend.y - slope_at(P).bend[i + 1]).abs() < 1e-6);
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! Even-sized triangles inside an outline, by rounds of the paper's two steps: relocate the vertices, modify the connections.
+
+mod curve;
+mod energy;
+mod quality;
+mod reconnect;
+mod relocate;
+mod rim;
+mod ring;
+mod seeds;
+mod triangulation;
+mod web;
+
+use crate::base::vector::DVec2;
+use crate::leaf::LeafError;
+use crate::leaf::spline::Spline;
+use curve::Curve;
+use energy::Energy;
+pub use quality::Quality;
+use quality::graded;
+use reconnect::{Count, Marks};
+use relocate::Mesher;
+use rim::Rim;
+use std::ops::Range;
+pub use triangulation::Topology;
+use triangulation::triangulated;
+use web::Web;
+
+/// Share of the wanted vertices by which splits and collapses may change their number.
+const SLACK: f64 = 0.03;
+/// Edges are tried with a change when no vertex moves by more than this share of the spacing.
+const QUIET: f64 = 0.02;
+/// Rounds end when no vertex moves by more than this, and no change was kept.
+const SETTLED: f64 = 2e-3;
+
+/// A mesh whose first points are its loops.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Remesh {
+    /// Vertices: those of the loops in order, loop by loop, then the inner ones.
+    pub points: Vec<DVec2>,
+    /// Vertex numbers of each loop; the first is the rim, the others are holes.
+    pub loops: Vec<Range<usize>>,
+    /// Triangles and edges.
+    pub topology: Topology,
+    /// Figures of the result.
+    pub quality: Quality,
+    /// Rounds that were run.
+    pub rounds: u32,
+    /// Figures of the result if there had been only so many rounds: 0, 1, ... `rounds`.
+    pub history: Vec<Quality>,
+}
+
+/// A mesh of about `wanted` vertices between closed curves, after at most `iterations` rounds.
+///
+/// # Errors
+/// [`LeafError::Mesh`] when the curves touch or cross, or are too narrow to be triangulated.
+pub fn evened(loops: &[Spline], wanted: usize, iterations: u32) -> Result<Remesh, LeafError> {
+    let curves = curves(loops, wanted)?;
+    let (rim, spacing) = fitted(&curves, wanted)?;
+    let rings = rim.points();
+    let loops = ranges(&rings);
+    let mut points = rings.concat();
+    let inner = wanted.saturating_sub(points.len());
+    if inner > 0 {
+        points.extend(seeds::lattice(&rings, spacing, inner, 0.0));
+    }
+    let topology = triangulated(&points, &loops)?;
+    Rounds::new(Remesh::of(points, loops, topology), rim, spacing, wanted)?.run(iterations)
+}
+
+/// The numbers of the points of each loop if all stand in one row.
+fn ranges<T>(loops: &[Vec<T>]) -> Vec<Range<usize>> {
+    let mut end = 0;
+    let range = |points: &Vec<T>| {
+        end += points.len();
+        end - points.len()..end
+    };
+    loops.iter().map(range).collect()
+}
+
+fn curves(loops: &[Spline], wanted: usize) -> Result<Vec<Curve<'_>>, LeafError> {
+    let rough: Vec<Curve> = loops.iter().map(|spline| Curve::new(spline, f64::INFINITY)).collect();
+    let area: f64 = rough.iter().map(Curve::area).sum();
+    if !(area.is_finite() && area > 0.0) {
+        return Err(LeafError::Mesh {
+            what: "the outline encloses no area; give its points counter-clockwise".to_owned(),
+        });
+    }
+    let spacing = (area / wanted.max(3) as f64).sqrt();
+    Ok(loops.iter().map(|spline| Curve::new(spline, spacing / 16.0)).collect())
+}
+
+/// A rim, and the spacing at which even triangles between it and `wanted` vertices in all fill the area: a triangulation of
+/// n vertices, b of them on 1 + holes loops, has 2 (n - 1 + holes) - b triangles.
+fn fitted<'a>(curves: &'a [Curve<'a>], wanted: usize) -> Result<(Rim<'a>, f64), LeafError> {
+    let area: f64 = curves.iter().map(Curve::area).sum();
+    let mut spacing = (area / 0.75f64.sqrt() / wanted as f64).sqrt();
+    let mut rim = Rim::fitted(curves, spacing)?;
+    for _ in 0..1 {
+        let triangles = (2 * (wanted + curves.len())).saturating_sub(4 + rim.loops().concat().len()).max(wanted / 2);
+        spacing = (2.0 * area / 0.75f64.sqrt() / triangles as f64).sqrt();
+        rim = Rim::fitted(curves, spacing)?;
+    }
+    Ok((rim, spacing))
+}
+
+/// The rounds under way, and the best mesh so far.
+struct Rounds<'a> {
+    mesher: Mesher<'a>,
+    count: Count,
+    best: Remesh,
+    tried: Vec<bool>,
+    marks: Marks,
+}
+
+impl<'a> Rounds<'a> {
+    fn new(start: Remesh, rim: Rim<'a>, spacing: f64, wanted: usize) -> Result<Self, LeafError> {
+        let narrow = || LeafError::Mesh { what: "the outline is too narrow to be triangulated".to_owned() };
+        let edges = start.loops.iter().map(ExactSizeIterator::len).sum();
+        let web = Web::new(start.points.clone(), start.topology.triangles.clone(), edges).ok_or_else(narrow)?;
+        let slack = (SLACK * wanted as f64) as usize;
+        let count =
+            Count { now: start.points.len(), least: wanted.saturating_sub(slack), most: wanted + slack };
+        let energy = Energy::of_spacing(spacing);
+        let mesher = Mesher::new(web, rim, energy, spacing);
+        Ok(Self { mesher, count, best: start, tried: Vec::new(), marks: Marks::default() })
+    }
+
+    fn run(mut self, iterations: u32) -> Result<Remesh, LeafError> {
+        for round in 1..=iterations {
+            let settled = self.round();
+            self.keep_better();
+            self.best.rounds = round;
+            if settled {
+                break;
+            }
+        }
+        self.best.topology = Topology::of(self.best.topology.triangles.into_iter());
+        Ok(self.best)
+    }
+
+    /// One round; whether nothing is left to gain.
+    fn round(&mut self) -> bool {
+        let moved = self.mesher.relocate() / self.mesher.spacing;
+        let flipped = self.mesher.flip_all();
+        let mut kept = 0;
+        if moved < QUIET {
+            self.mesher.set_off();
+            kept = self.mesher.reconnect(&mut self.count, &mut self.tried, &mut self.marks);
+        }
+        moved < SETTLED && flipped + kept == 0
+    }
+
+    /// Takes the mesh as it stands if it is no worse than the best.
+    fn keep_better(&mut self) {
+        let web = &self.mesher.web;
+        let rings = self.mesher.rim.loops();
+        let inner = (0..web.places() as u32).filter(|&v| web.is_vertex(v) && !self.mesher.rim.holds(v));
+        let order: Vec<u32> = rings.iter().flatten().copied().chain(inner).collect();
+        let mut numbers = vec![web::NONE; web.places()];
+        order.iter().enumerate().for_each(|(number, &v)| numbers[v as usize] = number as u32);
+        let points: Vec<DVec2> = order.iter().map(|&v| web.point(v)).collect();
+        let triangles: Vec<[u32; 3]> = web.triangles().map(|(_, t)| t.map(|v| numbers[v as usize])).collect();
+        let loops = ranges(&rings);
+        let quality = graded(&points, &loops, &triangles);
+        if quality.is_no_worse_than(&self.best.quality) && self.mesher.rim.is_simple() {
+            (self.best.points, self.best.loops, self.best.quality) = (points, loops, quality);
+            self.best.topology = Topology { triangles, edges: Vec::new() };
+        }
+        self.best.history.push(self.best.quality);
+    }
+}
+
+impl Remesh {
+    fn of(points: Vec<DVec2>, loops: Vec<Range<usize>>, topology: Topology) -> Self {
+        let quality = graded(&points, &loops, &topology.triangles);
+        Self { points, loops, topology, quality, rounds: 0, history: vec![quality] }
+    }
+}
