@@ -10,6 +10,7 @@ mod mask;
 mod outline;
 mod polygon;
 mod quality;
+mod raster;
 mod remesh;
 mod ring;
 mod scan;
@@ -17,7 +18,7 @@ mod segmentation;
 mod spline;
 mod trace;
 mod triangulation;
-mod veins;
+pub mod veins;
 
 use crate::base::blade::Blade;
 use crate::base::figures::{ErrorFigure, Figures};
