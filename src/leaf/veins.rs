@@ -2,10 +2,14 @@
 
 mod branching;
 mod field;
+mod forking;
 mod grown;
+mod line;
+mod lobes;
 mod paths;
 mod petiole;
 mod ridge;
+mod rungs;
 mod scanned;
 pub mod score;
 mod sheet;
@@ -13,5 +17,6 @@ mod skeleton;
 mod tree;
 mod width;
 
-pub use grown::{from_vein, grown};
+pub use grown::grown;
+pub use line::from_vein;
 pub use scanned::{Evidence, scanned};

@@ -1,6 +1,7 @@
 //! Veins seen in a scan: ridges of its tone, joined to a tree that starts at the petiole's joint.
 
 use super::branching::{Branch, branches};
+use super::line::length;
 use super::petiole;
 use super::ridge::{self, Polarity};
 use super::sheet::Sheet;
@@ -183,8 +184,4 @@ impl Drawing<'_> {
         let points = line.iter().map(|&p| self.trace.pose.plane(self.sheet.pixel(p))).collect();
         Vein { points, width: width * metres, end_width: end_width * metres, order }
     }
-}
-
-fn length(line: &[DVec2]) -> f64 {
-    line.windows(2).map(|w| (w[1] - w[0]).norm()).sum()
 }

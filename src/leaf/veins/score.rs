@@ -42,6 +42,32 @@ pub fn agreement(veins: &[Vein], pose: &Pose, truth: &[[f64; 2]], size: (u32, u3
     Agreement { precision: share(&found, &wanted), recall: share(&wanted, &found) }
 }
 
+/// Correlation (Pearson) over the blade's pixels of the distance to the nearest major vein with that to the nearest centre
+/// line of the truth; 0 where one of them is missing. `blade` is its outline in pixels; other arguments as for [`agreement`].
+#[must_use]
+pub fn distance_correlation(veins: &[Vein], pose: &Pose, truth: &[[f64; 2]], blade: &[DVec2], size: (u32, u32)) -> f64 {
+    let truth: Vec<DVec2> = truth.iter().map(|&p| DVec2::from(p)).collect();
+    let (width, height) = (size.0 as usize, size.1 as usize);
+    let wanted = thinned(&filled(&[&truth], width, height)).squared_distances();
+    let found = lines(veins, pose, size).squared_distances();
+    let inside = filled(&[blade], width, height);
+    let pairs = found.cells.iter().zip(&wanted.cells).zip(&inside.cells).filter(|(_, inside)| **inside);
+    correlation(pairs.map(|((a, b), _)| (a.sqrt(), b.sqrt())))
+}
+
+/// Pearson's correlation of pairs; 0 when one side does not vary.
+fn correlation(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let mut sums = [0.0; 6];
+    for (a, b) in pairs {
+        for (sum, value) in sums.iter_mut().zip([1.0, a, b, a * a, b * b, a * b]) {
+            *sum += value;
+        }
+    }
+    let [n, a, b, aa, bb, ab] = sums;
+    let spread = (n * aa - a * a) * (n * bb - b * b);
+    if spread > 0.0 { (n * ab - a * b) / spread.sqrt() } else { 0.0 }
+}
+
 /// The major veins' centre lines in a picture.
 fn lines(veins: &[Vein], pose: &Pose, size: (u32, u32)) -> Grid<bool> {
     let (width, height) = (size.0 as usize, size.1 as usize);
@@ -88,6 +114,17 @@ mod tests {
         assert!((stray.precision - 0.5).abs() < 0.05 && stray.recall > 0.99, "{stray:?}");
         let fine = [vein(1, &[(0.0, 0.0), (0.0, 80.0)]), vein(3, &[(30.0, 0.0), (30.0, 80.0)])];
         assert!(agreement(&fine, &upright(), &BAR, (100, 100), 2.0).precision > 0.99, "fine veins do not count");
+    }
+
+    #[test]
+    fn the_distances_from_the_truth_s_own_line_correlate_fully_and_reversed_ones_do_not() {
+        let blade = [(10.0, 5.0), (90.0, 5.0), (90.0, 95.0), (10.0, 95.0)].map(|(x, y)| DVec2::new(x, y));
+        let of = |x: f64| {
+            let line = [vein(1, &[(x, -5.0), (x, 85.0)])];
+            distance_correlation(&line, &upright(), &BAR, &blade, (100, 100))
+        };
+        assert!(of(0.0) > 0.98 && of(20.0) < of(10.0) && of(10.0) < of(0.0), "{} {} {}", of(0.0), of(10.0), of(20.0));
+        assert_eq!(distance_correlation(&[], &upright(), &[], &blade, (100, 100)), 0.0);
     }
 
     #[test]
