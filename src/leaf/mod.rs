@@ -18,6 +18,7 @@ mod outline;
 mod petiole;
 mod polygon;
 mod preview;
+mod raster;
 mod remesh;
 mod scan;
 mod segmentation;
@@ -29,7 +30,7 @@ mod truth;
 mod two_colours;
 mod veins;
 
-use crate::base::blade::Blade;
+use crate::base::blade::{Blade, Vein};
 use crate::base::figures::{ErrorFigure, Figures};
 use crate::base::flat_mesh::{BLADE_UV_MARGIN, FlatMesh};
 use crate::base::limits::{Limit, Limits, Refusal};
@@ -205,7 +206,7 @@ pub fn traced(
 ) -> Result<(Traced, Figures), LeafError> {
     limits.allow(Limit::Vertices, "leaf.vertices", f64::from(settings.vertices))?;
     let trace = trace(settings, picture, limits)?;
-    let settings = outlined(settings, &trace);
+    let settings = outlined(settings, picture, &trace);
     let pictures = Pictures { picture: Some(picture), ..Pictures::default() };
     let (blade, mut figures) = blade(&settings, pictures, Some(&trace))?;
     if let Some(truth) = truth {
@@ -224,7 +225,7 @@ pub fn model(settings: &Settings, pictures: Pictures, limits: &Limits) -> Result
     match pictures.picture {
         Some(picture) => {
             let trace = trace(settings, picture, limits)?;
-            blade(&outlined(settings, &trace), pictures, Some(&trace))
+            blade(&outlined(settings, picture, &trace), pictures, Some(&trace))
         }
         None => blade(settings, pictures, None),
     }
@@ -252,9 +253,10 @@ fn notes(trace: &Trace) -> Option<String> {
     Some(format!("{leaves} on the sheet of leaf.picture; the largest was taken"))
 }
 
-/// Settings with the outline that was found in place of the picture, rounded as in a file.
-fn outlined(settings: &Settings, trace: &Trace) -> Settings {
-    let plane = |p: DVec2| -> [f64; 2] { (trace.pose.plane(p) * 1e3).map(file::rounded).into() };
+/// Settings with what was found in the picture in its place, rounded as in a file.
+fn outlined(settings: &Settings, picture: &Picture, trace: &Trace) -> Settings {
+    let millimetres = |p: DVec2| -> [f64; 2] { (p * 1e3).map(file::rounded).into() };
+    let plane = |p: DVec2| millimetres(trace.pose.plane(p));
     let line = |points: &Vec<DVec2>| points.iter().map(|&p| plane(p)).collect::<Vec<_>>();
     let stalk = trace.petiole.iter().flat_map(|petiole| petiole.line.iter().zip(&petiole.widths));
     let width = |width: f64| file::rounded(width * trace.pose.scale * 1e3);
@@ -262,8 +264,20 @@ fn outlined(settings: &Settings, trace: &Trace) -> Settings {
         let [x, y] = plane(p);
         [x, y, width(w)]
     };
+    let vein = |vein: Vein| VeinLine {
+        order: u32::from(vein.order),
+        points: vein.points.into_iter().map(millimetres).collect(),
+        width: file::rounded(vein.width * 1e3),
+        end_width: file::rounded(vein.end_width * 1e3),
+    };
+    let veins = if settings.veins.is_empty() {
+        veins::scanned(picture, trace).0.into_iter().map(vein).collect()
+    } else {
+        settings.veins.clone()
+    };
     Settings {
         picture: None,
+        veins,
         outline: Some(line(&trace.keys)),
         holes: trace.hole_keys.iter().map(line).collect(),
         petiole: stalk.map(station).collect(),
@@ -277,13 +291,16 @@ fn blade(settings: &Settings, pictures: Pictures, trace: Option<&Trace>) -> Resu
     if let Some(complaint) = check(settings).into_iter().next() {
         return Err(LeafError::Settings(complaint));
     }
-    let shape = Shape::of(settings)?;
+    let mut shape = Shape::of(settings)?;
     let outlines: Vec<Vec<DVec2>> = shape.loops.iter().map(|spline| dense(spline, settings.length * 1e-3)).collect();
     let mesh = remesh::evened(&shape.loops, settings.vertices as usize, settings.iterations)?;
     let mut figures = figures(&mesh, &outlines, shape.keys.len(), trace);
     let mut flat = laid_out(&mesh);
     let scanned = pictures.picture.zip(trace);
-    let veins = veins::grown(&outlines[0], settings.venation);
+    let veins = match shape.veins.is_empty() {
+        true => veins::grown(&outlines[0], settings.venation),
+        false => std::mem::take(&mut shape.veins),
+    };
     let mask = match pictures.mask {
         Some(picture) => picture.clone(),
         None => {
@@ -316,6 +333,8 @@ struct Shape {
     keys: Vec<DVec2>,
     /// The petiole's centre line with its widths.
     petiole: Vec<(DVec2, f64)>,
+    /// The veins, when they are known.
+    veins: Vec<Vein>,
 }
 
 impl Shape {
@@ -327,7 +346,14 @@ impl Shape {
         let mut lines = vec![outline::cleaned(points, length)];
         lines.extend(settings.holes.iter().map(|hole| outline::cleaned_hole(hole, scale)));
         let stalk = |&[x, y, width]: &[f64; 3]| (DVec2::new(x, y) * scale, width * scale);
+        let vein = |vein: &VeinLine| Vein {
+            points: vein.points.iter().map(|&p| DVec2::from(p) * scale).collect(),
+            width: vein.width * scale,
+            end_width: vein.end_width * scale,
+            order: vein.order as u8,
+        };
         Ok(Self {
+            veins: settings.veins.iter().filter(|vein| vein.points.len() > 1).map(vein).collect(),
             petiole: settings.petiole.iter().map(stalk).collect(),
             loops: lines.iter().map(|keys| Spline::through(keys, corner)).collect(),
             keys: lines.concat(),

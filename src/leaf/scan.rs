@@ -14,7 +14,7 @@ const TAPS: usize = 3;
 
 /// The scan, square; where the leaf is not it is clear, in the colour of the leaf's nearest rim.
 pub fn laid_out(picture: &Picture, trace: &Trace, mesh: &FlatMesh) -> Picture {
-    let inner = eroded(&trace.shown);
+    let inner = eroded(&trace.blade);
     let pixels_across = 1.0 / (mesh.uv_scale * trace.pose.scale);
     let side = side(pixels_across);
     let taps = ((pixels_across / side as f64).ceil() as usize).clamp(1, TAPS);

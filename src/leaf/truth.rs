@@ -3,8 +3,11 @@
 use crate::base::blade::Blade;
 use crate::base::figures::Figures;
 use crate::base::picture::Picture;
-use crate::leaf::Trace;
+use crate::leaf::{Trace, veins};
 use serde::Deserialize;
+
+/// How far a vein may lie beside a hand-traced one and still be it, share of the square root of the blade's area.
+const VEIN_TOLERANCE: f64 = 0.01;
 
 /// A hand-traced leaf, in pixels of its scan. Lines may cross themselves where lobes overlap: they are filled by the
 /// non-zero rule. Other keys of the file are ignored.
@@ -41,7 +44,14 @@ impl Truth {
 
     /// Adds how far a trace and its blade are from this.
     #[must_use]
-    pub(in crate::leaf) fn compared(&self, trace: &Trace, _blade: &Blade, figures: Figures) -> Figures {
-        figures.with("iou", trace.iou(&self.blade))
+    pub(in crate::leaf) fn compared(&self, trace: &Trace, blade: &Blade, figures: Figures) -> Figures {
+        let figures = figures.with("iou", trace.iou(&self.blade));
+        if self.veins.is_empty() {
+            return figures;
+        }
+        let [width, height] = trace.picture_size().map(|size| size as u32);
+        let tolerance = VEIN_TOLERANCE * (trace.area() as f64).sqrt();
+        let veins = veins::score::agreement(&blade.veins, &trace.pose, &self.veins, (width, height), tolerance);
+        figures.with("vein_f1", veins.f1()).with("vein_precision", veins.precision).with("vein_recall", veins.recall)
     }
 }
