@@ -29,8 +29,7 @@ pub fn whole(blade: &Grid<bool>) -> Result<(), LeafError> {
         if contact as f64 <= (PETIOLE * size).max(3.0) {
             continue;
         }
-        let depth =
-            (contact / 8).clamp(2, blade.width.min(blade.height) / 4 + 2).min(blade.width.min(blade.height) - 1);
+        let depth = (contact / 8).max(2).min(least / 4);
         if missing(contact, longest_run(&line(depth)), depth) > (MISSING * size).max(1.5) {
             let what = format!(
                 "the picture's {side} border cuts the leaf off along {contact} pixels; scan or crop it again with \

@@ -16,6 +16,7 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 
+mod jpeg;
 mod picture;
 pub use picture::read_picture;
 

@@ -1,14 +1,15 @@
 //! Pictures from PNG and JPEG files of strangers.
 //!
 //! The size that the file claims is held against the limits before anything is decoded. A JPEG whose end is missing is
-//! refused, since decoders fill what is missing with grey. Orientation marks (EXIF) and colour profiles are ignored: pixels
-//! are taken as they are stored, as sRGB.
+//! refused, since decoders fill what is missing with grey, and so is one in printers' inks (CMYK). A picture is turned as its
+//! orientation mark (EXIF) says; colour profiles are ignored: colours are taken as sRGB. 16 bits a channel are rounded to 8;
+//! of an animation the first frame, or the one that stands for it, is taken.
 
-use super::{Asset, allow_bytes, shown, unreadable};
+use super::{Asset, allow_bytes, jpeg, shown, unreadable};
 use crate::base::diagnostic::{Diagnostic, Fault};
 use crate::base::limits::{Limit, Limits};
 use crate::base::picture::Picture;
-use ::image::{ImageError, ImageFormat, ImageReader};
+use ::image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
 use std::fs::File;
 use std::io::{Cursor, Read};
 
@@ -45,7 +46,7 @@ fn bytes(asset: &Asset, limits: &Limits) -> Result<Vec<u8>, Diagnostic> {
 fn decode(name: &str, bytes: &[u8], limits: &Limits) -> Result<Picture, Diagnostic> {
     let name = shown(name, super::QUOTED);
     let damaged = |why: String| {
-        Diagnostic::error(Fault::Asset, format!("\"{name}\" {why}"), "save the picture anew as PNG or JPEG")
+        Diagnostic::error(Fault::Asset, format!("\"{name}\" {why}"), "save the picture anew as PNG, or as JPEG in RGB")
     };
     let failed = |error: ImageError| damaged(format!("is damaged: {}", shown(error.to_string().trim(), 200)));
     let format = match ::image::guess_format(bytes) {
@@ -53,8 +54,14 @@ fn decode(name: &str, bytes: &[u8], limits: &Limits) -> Result<Picture, Diagnost
         _ if bytes.is_empty() => return Err(damaged("is empty".to_owned())),
         _ => return Err(damaged("is neither PNG nor JPEG".to_owned())),
     };
-    if format == ImageFormat::Jpeg && !jpeg_ends(bytes) {
-        return Err(damaged("is cut off: its end is missing".to_owned()));
+    if format == ImageFormat::Jpeg {
+        let markers = jpeg::markers(bytes);
+        if !markers.ends {
+            return Err(damaged("is cut off: its end is missing".to_owned()));
+        }
+        if markers.components == 4 {
+            return Err(damaged("is in printers' inks (CMYK)".to_owned()));
+        }
     }
     let (width, height) = reader(bytes, format, u64::MAX).into_dimensions().map_err(failed)?;
     let pixels = u64::from(width) * u64::from(height);
@@ -63,9 +70,18 @@ fn decode(name: &str, bytes: &[u8], limits: &Limits) -> Result<Picture, Diagnost
     let allowed = allowed.and_then(|()| limits.allow(Limit::Memory, &what, pixels as f64 * DECODED_BYTES as f64));
     allowed.map_err(|refusal| Diagnostic::error(Fault::Limit, refusal.to_string(), refusal.help()))?;
     let most = pixels.saturating_mul(DECODED_BYTES) + 1_000_000;
-    let decoded = reader(bytes, format, most).decode().map_err(failed)?.into_rgba8();
+    let decoded = upright(reader(bytes, format, most)).map_err(failed)?.into_rgba8();
     let pixels = decoded.as_raw().chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect();
-    Ok(Picture { width, height, pixels })
+    Ok(Picture { width: decoded.width(), height: decoded.height(), pixels })
+}
+
+/// The picture turned and mirrored as its orientation mark says, at 8 bits a channel.
+fn upright(reader: ImageReader<Cursor<&[u8]>>) -> Result<DynamicImage, ImageError> {
+    let mut decoder = reader.into_decoder()?;
+    let orientation = decoder.orientation()?;
+    let mut picture = DynamicImage::ImageRgba8(DynamicImage::from_decoder(decoder)?.into_rgba8());
+    picture.apply_orientation(orientation);
+    Ok(picture)
 }
 
 fn reader(bytes: &[u8], format: ImageFormat, most: u64) -> ImageReader<Cursor<&[u8]>> {
@@ -74,32 +90,6 @@ fn reader(bytes: &[u8], format: ImageFormat, most: u64) -> ImageReader<Cursor<&[
     limits.max_alloc = Some(most);
     reader.limits(limits);
     reader
-}
-
-/// Whether a JPEG has its end marker, FF D9, after the last scan. Segments are stepped over by their lengths (ITU T.81,
-/// annex B), since a preview inside one has an end of its own.
-fn jpeg_ends(bytes: &[u8]) -> bool {
-    let mut at = 2;
-    while let Some(marker) = next_marker(bytes, &mut at) {
-        match marker {
-            0xd9 => return true,
-            // markers without a segment: stuffed byte, temporary, restarts, start
-            0x00 | 0x01 | 0xd0..=0xd8 => {}
-            _ => match bytes.get(at..at + 2) {
-                Some(length) => at += usize::from(u16::from_be_bytes([length[0], length[1]])),
-                None => return false,
-            },
-        }
-    }
-    false
-}
-
-/// The next marker at or after `at`, which is moved behind it. Any number of FF bytes may come before its code.
-fn next_marker(bytes: &[u8], at: &mut usize) -> Option<u8> {
-    let start = *at + bytes.get(*at..)?.iter().position(|byte| *byte == 0xff)?;
-    let code = start + bytes[start..].iter().position(|byte| *byte != 0xff)?;
-    *at = code + 1;
-    Some(bytes[code])
 }
 
 #[cfg(test)]
@@ -142,14 +132,6 @@ mod tests {
     }
 
     #[test]
-    fn the_end_of_a_preview_is_not_the_end_of_the_picture() {
-        let whole = jpeg();
-        let preview = [&[0xff, 0xd8, 0xff, 0xe1, 0, 6], &[0xff, 0xd9, 0, 0][..], &whole[2..]].concat();
-        assert!(jpeg_ends(&preview));
-        assert!(!jpeg_ends(&preview[..preview.len() - 2]));
-    }
-
-    #[test]
     fn too_many_pixels_are_refused_with_the_flag() {
         let mut limits = Limits::default();
         limits.set(Limit::PicturePixels, 5.0);
@@ -157,5 +139,136 @@ mod tests {
         let fault = decode("a", &file, &limits).unwrap_err();
         assert_eq!(fault.fault, Fault::Limit);
         assert!(fault.help.contains("--limit picture-pixels=6"));
+    }
+    /// An EXIF block (TIFF, little-endian) of one entry: orientation, tag 0x0112, a short.
+    fn exif(orientation: u8) -> Vec<u8> {
+        let head = [b'I', b'I', 42, 0, 8, 0, 0, 0, 1, 0];
+        [&head[..], &[0x12, 0x01, 3, 0, 1, 0, 0, 0, orientation, 0, 0, 0], &[0; 4]].concat()
+    }
+
+    /// A picture of 2 x 3 pixels with its red, green, blue and white quarters' corners told apart by brightness alone.
+    const CORNERS: [u8; 6] = [10, 60, 120, 140, 200, 250];
+
+    /// Where the stored pixel of each shown one lies, from the table of the EXIF standard (2.3, tag Orientation): the sides
+    /// at which row 0 and column 0 of the stored picture are shown.
+    fn shown_by(orientation: u8) -> (u32, u32, Vec<u8>) {
+        let stored = |x: usize, y: usize| CORNERS[y * 2 + x];
+        let turned = orientation >= 5;
+        let (width, height) = if turned { (3, 2) } else { (2, 3) };
+        let pixel = |x: usize, y: usize| match orientation {
+            2 => stored(1 - x, y),
+            3 => stored(1 - x, 2 - y),
+            4 => stored(x, 2 - y),
+            5 => stored(y, x),
+            6 => stored(y, 2 - x),
+            7 => stored(1 - y, 2 - x),
+            8 => stored(1 - y, x),
+            _ => stored(x, y),
+        };
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| pixel(x, y)).collect();
+        (width as u32, height as u32, pixels)
+    }
+
+    #[test]
+    fn a_png_is_turned_as_its_mark_says() {
+        for orientation in 1..=8 {
+            let mut bytes = Vec::new();
+            let mut encoder = ::image::codecs::png::PngEncoder::new(&mut bytes);
+            encoder.set_exif_metadata(exif(orientation)).unwrap();
+            encoder.write_image(&CORNERS, 2, 3, ExtendedColorType::L8).unwrap();
+            let picture = decode("a", &bytes, &Limits::default()).unwrap();
+            let red: Vec<u8> = picture.pixels.iter().map(|p| p[0]).collect();
+            assert_eq!((picture.width, picture.height, red), shown_by(orientation), "orientation {orientation}");
+        }
+    }
+
+    #[test]
+    fn a_jpeg_is_turned_as_its_mark_says() {
+        // each pixel of the small picture is a block of 16, well inside which JPEG keeps the value
+        let raw: Vec<u8> = (0..32 * 48).map(|i| CORNERS[i / 32 / 16 * 2 + i % 32 / 16]).collect();
+        for orientation in 1..=8 {
+            let mut bytes = Vec::new();
+            let mut encoder = JpegEncoder::new_with_quality(&mut bytes, 100);
+            encoder.set_exif_metadata(exif(orientation)).unwrap();
+            encoder.write_image(&raw, 32, 48, ExtendedColorType::L8).unwrap();
+            let picture = decode("a", &bytes, &Limits::default()).unwrap();
+            let (width, height, wanted) = shown_by(orientation);
+            assert_eq!((picture.width, picture.height), (width * 16, height * 16));
+            for (i, value) in wanted.into_iter().enumerate() {
+                let (x, y) = (i as u32 % width * 16 + 8, i as u32 / width * 16 + 8);
+                assert!(picture.at(x, y)[0].abs_diff(value) <= 2, "orientation {orientation}, pixel {i}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_kind_of_png_gives_its_colours() {
+        use ::png::{BitDepth, ColorType};
+        let write = |colour: ColorType, depth: BitDepth, palette: Option<Vec<u8>>, data: &[u8]| {
+            let mut bytes = Vec::new();
+            let mut encoder = ::png::Encoder::new(&mut bytes, 2, 1);
+            encoder.set_color(colour);
+            encoder.set_depth(depth);
+            if let Some(palette) = palette {
+                encoder.set_palette(palette);
+                encoder.set_trns(vec![255, 7]);
+            }
+            encoder.write_header().unwrap().write_image_data(data).unwrap();
+            decode("a", &bytes, &Limits::default()).unwrap().pixels
+        };
+        let grey = |v: u8, a: u8| [v, v, v, a];
+        let bits = write(ColorType::Grayscale, BitDepth::One, None, &[0b0100_0000]);
+        assert_eq!(bits, [grey(0, 255), grey(255, 255)]);
+        let eight = write(ColorType::GrayscaleAlpha, BitDepth::Eight, None, &[9, 40, 200, 255]);
+        assert_eq!(eight, [grey(9, 40), grey(200, 255)]);
+        // 257 to a code of 8 bits; 0x80ff lies nearest 0x81
+        let sixteen = write(ColorType::Grayscale, BitDepth::Sixteen, None, &[0x40, 0x40, 0x80, 0xff]);
+        assert_eq!(sixteen, [grey(0x40, 255), grey(0x80, 255)]);
+        let wide: Vec<u8> = [0x1111u16, 0x2222, 0x3333, 0xffff, 0, 0x8080, 0xffff, 0x7f7f]
+            .iter()
+            .flat_map(|v| v.to_be_bytes())
+            .collect();
+        assert_eq!(
+            write(ColorType::Rgba, BitDepth::Sixteen, None, &wide),
+            [[0x11, 0x22, 0x33, 255], [0, 0x80, 255, 0x7f]]
+        );
+        let palette = Some(vec![1, 2, 3, 4, 5, 6]);
+        assert_eq!(write(ColorType::Indexed, BitDepth::Two, palette, &[0b0100_0000]), [[4, 5, 6, 7], [1, 2, 3, 255]]);
+    }
+
+    #[test]
+    fn inks_are_refused() {
+        let mut whole = jpeg();
+        let frame = whole.windows(2).position(|w| w == [0xff, 0xc0]).unwrap();
+        whole[frame + 9] = 4;
+        let fault = decode("a", &whole, &Limits::default()).unwrap_err();
+        assert!(fault.message.contains("CMYK") && fault.help.contains("RGB"), "{fault:?}");
+    }
+
+    #[derive(serde::Deserialize)]
+    struct Case {
+        file: String,
+        expect: String,
+        class: String,
+    }
+
+    #[test]
+    fn shared_bad_pictures_are_refused_by_name() {
+        let here = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+        let folders = ["../shared/badinput", "../../shared/badinput"].map(|folder| here.join(folder));
+        let folder = folders.iter().find(|folder| folder.is_dir()).unwrap_or(&folders[0]);
+        let Ok(text) = std::fs::read_to_string(folder.join("images.json")) else { return };
+        for case in serde_json::from_str::<Vec<Case>>(&text).unwrap() {
+            let asset = Asset::outside(&folder.join("images").join(&case.file));
+            match read_picture(&asset, &Limits::default()) {
+                Ok(_) => assert_eq!(case.expect, "accept", "{}", case.file),
+                Err(fault) => {
+                    assert_eq!(case.expect, "reject", "{}", case.file);
+                    let class = if fault.fault == Fault::Limit { "limit" } else { "asset" };
+                    assert_eq!(class, case.class, "{}: {}", case.file, fault.message);
+                    assert!(fault.message.contains(&case.file), "{}", fault.message);
+                }
+            }
+        }
     }
 }
