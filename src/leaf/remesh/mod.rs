@@ -32,6 +32,8 @@ const SLACK: f64 = 0.03;
 const QUIET: f64 = 0.02;
 /// Rounds end when no vertex moves by more than this, and no change was kept.
 const SETTLED: f64 = 2e-3;
+/// Rounds also end when so many in a row brought nothing better.
+const IDLE: u32 = 16;
 
 /// A mesh whose first points are its loops.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,7 +64,7 @@ pub fn evened(loops: &[Spline], wanted: usize, iterations: u32) -> Result<Remesh
     let mut points = rings.concat();
     let inner = wanted.saturating_sub(points.len());
     if inner > 0 {
-        points.extend(seeds::lattice(&rings, spacing, inner, 0.0));
+        points.extend(seeds::lattice(&rings, spacing, inner, seeds::heading(&rings)));
     }
     let topology = triangulated(&points, &loops)?;
     Rounds::new(Remesh::of(points, loops, topology), rim, spacing, wanted)?.run(iterations)
@@ -96,11 +98,9 @@ fn fitted<'a>(curves: &'a [Curve<'a>], wanted: usize) -> Result<(Rim<'a>, f64), 
     let area: f64 = curves.iter().map(Curve::area).sum();
     let mut spacing = (area / 0.75f64.sqrt() / wanted as f64).sqrt();
     let mut rim = Rim::fitted(curves, spacing)?;
-    for _ in 0..1 {
-        let triangles = (2 * (wanted + curves.len())).saturating_sub(4 + rim.loops().concat().len()).max(wanted / 2);
-        spacing = (2.0 * area / 0.75f64.sqrt() / triangles as f64).sqrt();
-        rim = Rim::fitted(curves, spacing)?;
-    }
+    let triangles = (2 * (wanted + curves.len())).saturating_sub(4 + rim.loops().concat().len()).max(wanted / 2);
+    spacing = (2.0 * area / 0.75f64.sqrt() / triangles as f64).sqrt();
+    rim = Rim::fitted(curves, spacing)?;
     Ok((rim, spacing))
 }
 
@@ -119,19 +119,19 @@ impl<'a> Rounds<'a> {
         let edges = start.loops.iter().map(ExactSizeIterator::len).sum();
         let web = Web::new(start.points.clone(), start.topology.triangles.clone(), edges).ok_or_else(narrow)?;
         let slack = (SLACK * wanted as f64) as usize;
-        let count =
-            Count { now: start.points.len(), least: wanted.saturating_sub(slack), most: wanted + slack };
+        let count = Count { now: start.points.len(), least: wanted.saturating_sub(slack), most: wanted + slack };
         let energy = Energy::of_spacing(spacing);
         let mesher = Mesher::new(web, rim, energy, spacing);
         Ok(Self { mesher, count, best: start, tried: Vec::new(), marks: Marks::default() })
     }
 
     fn run(mut self, iterations: u32) -> Result<Remesh, LeafError> {
+        let mut idle = 0;
         for round in 1..=iterations {
             let settled = self.round();
-            self.keep_better();
+            idle = if self.keep_better() { 0 } else { idle + 1 };
             self.best.rounds = round;
-            if settled {
+            if settled || idle == IDLE {
                 break;
             }
         }
@@ -145,14 +145,14 @@ impl<'a> Rounds<'a> {
         let flipped = self.mesher.flip_all();
         let mut kept = 0;
         if moved < QUIET {
-            self.mesher.set_off();
             kept = self.mesher.reconnect(&mut self.count, &mut self.tried, &mut self.marks);
         }
+        self.mesher.set_off();
         moved < SETTLED && flipped + kept == 0
     }
 
-    /// Takes the mesh as it stands if it is no worse than the best.
-    fn keep_better(&mut self) {
+    /// Takes the mesh as it stands if it is no worse than the best; whether it was taken.
+    fn keep_better(&mut self) -> bool {
         let web = &self.mesher.web;
         let rings = self.mesher.rim.loops();
         let inner = (0..web.places() as u32).filter(|&v| web.is_vertex(v) && !self.mesher.rim.holds(v));
@@ -163,11 +163,13 @@ impl<'a> Rounds<'a> {
         let triangles: Vec<[u32; 3]> = web.triangles().map(|(_, t)| t.map(|v| numbers[v as usize])).collect();
         let loops = ranges(&rings);
         let quality = graded(&points, &loops, &triangles);
-        if quality.is_no_worse_than(&self.best.quality) && self.mesher.rim.is_simple() {
+        let better = quality.is_no_worse_than(&self.best.quality) && self.mesher.rim.is_simple();
+        if better {
             (self.best.points, self.best.loops, self.best.quality) = (points, loops, quality);
             self.best.topology = Topology { triangles, edges: Vec::new() };
         }
         self.best.history.push(self.best.quality);
+        better
     }
 }
 

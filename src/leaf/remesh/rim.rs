@@ -31,7 +31,8 @@ struct Spot {
     slide: f64,
 }
 
-const INNER: Spot = Spot { owner: NONE, beside: [NONE; 2], arc: 0.0, is_fixed: false, shift: DVec2::new(0.0, 0.0), slide: 0.0 };
+const INNER: Spot =
+    Spot { owner: NONE, beside: [NONE; 2], arc: 0.0, is_fixed: false, shift: DVec2::new(0.0, 0.0), slide: 0.0 };
 
 /// How the vertices of a mesh lie on the loops of the outline; like the mesh it can be changed and changed back.
 #[derive(Clone, Debug)]
@@ -177,7 +178,8 @@ impl<'a> Rim<'a> {
         let end = self.arc(after) + if self.arc(after) <= spot.arc { curve.length() } else { 0.0 };
         let corner = curve.corners().iter().copied().find(|&corner| corner > spot.arc && corner < end);
         let arc = corner.unwrap_or(curve.wrapped((spot.arc + end) * 0.5));
-        let shift = if corner.is_some() { DVec2::zeros() } else { (spot.shift + self.spots[after as usize].shift) * 0.5 };
+        let shift =
+            if corner.is_some() { DVec2::zeros() } else { (spot.shift + self.spots[after as usize].shift) * 0.5 };
         let count = self.spots.len().max(new as usize + 1);
         self.spots.resize(count, INNER);
         self.change(new, |s| *s = Spot { beside: [v, after], arc, is_fixed: corner.is_some(), shift, ..spot });
@@ -199,17 +201,38 @@ impl<'a> Rim<'a> {
     pub fn set_off(&mut self, spacing: f64) {
         let all: Vec<u32> = (0..self.spots.len() as u32).filter(|&v| self.holds(v)).collect();
         let shifts: Vec<DVec2> = all.iter().map(|&v| self.set_off_by(v, spacing)).collect();
-        all.into_iter().zip(shifts).for_each(|(v, shift)| self.spots[v as usize].shift = shift);
+        all.iter().zip(shifts).for_each(|(&v, shift)| self.spots[v as usize].shift = shift);
+        self.make_up(&all, spacing);
+    }
+
+    /// What the area still misses is made up by all vertices but the corners together.
+    fn make_up(&mut self, all: &[u32], spacing: f64) {
+        let enclosed: f64 = self.points().iter().map(|points| polygon::doubled_area(points) * 0.5).sum();
+        let missing = self.curves.iter().map(Curve::area).sum::<f64>() - enclosed;
+        let across = |&v: &u32| {
+            let [a, c] = self.beside(v).map(|w| self.at(w, self.arc(w)));
+            if self.is_corner(v) { DVec2::zeros() } else { DVec2::new(c.y - a.y, a.x - c.x) }
+        };
+        let across: Vec<DVec2> = all.iter().map(across).collect();
+        let length: f64 = across.iter().map(|a| a.norm() * 0.5).sum();
+        let far = if length > 0.0 { (missing / length).clamp(-FARTHEST * spacing, FARTHEST * spacing) } else { 0.0 };
+        for (&v, across) in all.iter().zip(across) {
+            self.spots[v as usize].shift += across.try_normalize(0.0).unwrap_or_default() * far;
+        }
+    }
+
+    /// Whether a vertex stands on a corner of its curve.
+    fn is_corner(&self, v: u32) -> bool {
+        self.is_fixed(v) && !self.is_first(v)
     }
 
     fn set_off_by(&self, v: u32, spacing: f64) -> DVec2 {
-        let is_corner = |v: u32| self.is_fixed(v) && !self.is_first(v);
-        if is_corner(v) {
+        if self.is_corner(v) {
             return DVec2::zeros();
         }
         let [before, after] = self.beside(v);
         let cut = |v: u32, next: u32| self.curve(v).cut(self.arc(v), self.arc(next));
-        let share = |other: u32| if is_corner(other) { 1.0 } else { 0.5 };
+        let share = |other: u32| if self.is_corner(other) { 1.0 } else { 0.5 };
         let [a, b, c] = [before, v, after].map(|v| self.curve(v).at(self.arc(v)));
         let across = (c - a).norm().max(((b - a).norm() + (c - b).norm()) * 0.35);
         let area = 2.0 * (cut(before, v) * share(before) + cut(v, after) * share(after));

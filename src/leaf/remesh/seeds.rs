@@ -1,7 +1,8 @@
 //! The first inner vertices: points of a hexagonal lattice, clear of the rim.
 
-use crate::base::maths::sincos;
+use crate::base::maths::{atan2, sincos};
 use crate::base::vector::DVec2;
+use crate::leaf::polygon;
 
 /// Seeds keep this share of the pitch away from the rim.
 const CLEARANCE: f64 = 0.62;
@@ -28,10 +29,28 @@ pub fn lattice(loops: &[Vec<DVec2>], spacing: f64, wanted: usize, angle: f64) ->
     best.iter().map(|p| DVec2::new(cosine * p.x - sine * p.y, cosine * p.y + sine * p.x)).collect()
 }
 
+/// The direction of rows with which most of the rim's length runs along rows: the mean heading of its sides, where headings
+/// that differ by 60 degrees are the same.
+pub fn heading(loops: &[Vec<DVec2>]) -> f64 {
+    let sides = loops.iter().flat_map(|points| polygon::sides(points));
+    // A side's heading times six: the sixth power of the unit complex number.
+    let sextuple = sides.map(|(a, b)| {
+        let length = (b - a).norm();
+        let along = (b - a).try_normalize(0.0).unwrap_or_default();
+        let times = |p: DVec2, q: DVec2| DVec2::new(p.x * q.x - p.y * q.y, p.x * q.y + p.y * q.x);
+        let cube = times(times(along, along), along);
+        times(cube, cube) * length
+    });
+    let sum: DVec2 = sextuple.sum();
+    // A round rim has no heading but rounding errors.
+    let is_round = sum.norm() < 1e-6 * loops.iter().map(|points| polygon::perimeter(points)).sum::<f64>();
+    if is_round { 0.0 } else { atan2(sum.y, sum.x) / 6.0 }
+}
+
 /// All lattice points inside the loops that are clear of them, row by row; x = 0 is an axis of symmetry.
 fn rows(loops: &[Vec<DVec2>], pitch: f64) -> Vec<DVec2> {
     let rise = pitch * 0.75f64.sqrt();
-    let sides: Vec<(DVec2, DVec2)> = loops.iter().flat_map(|points| crate::leaf::polygon::sides(points)).collect();
+    let sides: Vec<(DVec2, DVec2)> = loops.iter().flat_map(|points| polygon::sides(points)).collect();
     let low = sides.iter().map(|side| side.0.y).fold(f64::INFINITY, f64::min);
     let high = sides.iter().map(|side| side.0.y).fold(f64::NEG_INFINITY, f64::max);
     let first = (low / rise).floor() as i64;
@@ -97,7 +116,6 @@ fn overlap(a: DVec2, b: DVec2, y: f64, reach: f64) -> Option<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::leaf::polygon;
 
     #[test]
     fn seeds_are_those_of_the_plain_search() {
