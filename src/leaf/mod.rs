@@ -4,9 +4,10 @@
 //! pixels, the mask from veins, margin, tips and petiole. It does not bend the leaf, paint it, or read files.
 
 mod contour;
+mod field;
 mod grid;
 mod key_points;
-mod mask;
+pub mod mask;
 mod outline;
 mod polygon;
 mod quality;
@@ -28,6 +29,7 @@ use crate::base::picture::Picture;
 use crate::base::settings::Complaint;
 use crate::base::vector::DVec2;
 use crate::{choice, settings};
+pub use mask::Mask;
 use remesh::Remesh;
 use spline::Spline;
 use thiserror::Error;
@@ -54,6 +56,8 @@ settings! {
         picture: Option<String> = None;
         /// A grey picture over the blade: white stays, black moves most. Derived from veins and margin when absent.
         mask: Option<String> = None;
+        /// The law by which a mask is derived.
+        mask_law: Mask = Mask::default();
         /// Length of the blade from the joint to the farthest tip, to which an outline or a scan is scaled.
         length: f64 = 75.0, unit "mm", range 1.0 => 2000.0;
         /// How the veins are laid out when they are drawn from the outline.
@@ -138,11 +142,13 @@ pub fn model(settings: &Settings, pictures: Pictures, limits: &Limits) -> Result
     let outline = dense(&spline, settings.length * 1e-3);
     let mesh = remesh::evened(&outline, settings.vertices as usize, settings.iterations)?;
     let figures = figures(&mesh, &outline, keys.len(), trace.as_ref());
-    let veins = veins::grown(&outline, settings.venation);
+    let (veins, source) = veins::found(&outline, settings.venation, pictures.picture.zip(trace.as_ref()));
+    let figures = figures.with("veins", source.word());
     let mut flat = laid_out(&mesh);
-    flat.greys = match pictures.mask {
+    let derived = pictures.mask.is_none().then(|| mask::drawn(&flat, &outline, &[], &veins, &settings.mask_law));
+    flat.greys = match pictures.mask.or(derived.as_ref()) {
         Some(picture) => flat.uvs.iter().map(|uv| scan::grey_at(picture, *uv)).collect(),
-        None => mask::greys(&flat, &outline, &veins),
+        None => Vec::new(),
     };
     let scan = match (pictures.picture, &trace) {
         (Some(picture), Some(trace)) => Some(scan::laid_out(picture, trace, &flat)),
