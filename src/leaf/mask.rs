@@ -1,104 +1,138 @@
-//! The mask map without a painter: the law of the project's notes on the paper's first future work. Veins are white (heavy,
-//! they stay); margin, tips, the petiole's neighbourhood and what lies far from the joint are dark (light, they move).
+//! The mask map without a painter (the first future work of Tang, Wu and Fan 2013): an 8-bit grey picture over the blade, laid
+//! out by the mesh's texture coordinates as a painted one is. Veins are white (heavy, they stay); margin, tips, the petiole's
+//! neighbourhood and what lies far from the joint are dark (light, they move), as the paper paints them.
+//!
+//! With e the depth below the margin (1 at the deepest place), t the tipness, p the nearness of the joint, g the way to the
+//! joint and v the nearness of a vein:
+//!
+//! ```text
+//! curl = lamina + margin (1 - e)^1.5 + tips t + petiole p + distance g^2, held to 0..1
+//! grey = 255 (1 - curl (1 - v)), blurred
+//! ```
+//!
+//! The vertices' greys are read from the rounded picture, so that the picture given back as a painted mask changes nothing.
+
+mod fields;
+mod geodesic;
 
 use crate::base::blade::Vein;
 use crate::base::flat_mesh::FlatMesh;
-use crate::base::maths::{exp, sincos};
+use crate::base::picture::Picture;
 use crate::base::vector::DVec2;
-use crate::leaf::polygon;
-use crate::leaf::veins::from_vein;
+use crate::leaf::field::blurred;
+use crate::leaf::grid::Grid;
+use crate::settings;
+use fields::{Fields, Layout};
 
-/// Weights of margin, tips, petiole and distance in the curl, which is 0 (stays) to 1 (moves most).
-const MARGIN: f64 = 0.45;
-const TIPS: f64 = 0.35;
-const PETIOLE: f64 = 0.25;
-const DISTANCE: f64 = 0.15;
+/// Pixels along a side of the mask.
+pub const SIDE: usize = 512;
+/// The blade's greys go on beyond its margin for this many pixels, so that nothing else is read at the mesh's rim.
+const SPILL: usize = 8;
 
-/// The grey of each vertex, 0 to 255.
-pub fn greys(mesh: &FlatMesh, outline: &[DVec2], veins: &[Vein]) -> Vec<f64> {
-    let size = mesh.area().sqrt();
-    let depth: Vec<f64> = mesh.positions.iter().map(|&p| polygon::distance(outline, p)).collect();
-    let deepest = depth.iter().copied().fold(0.0, f64::max).max(1e-300);
-    let way = ways(mesh);
-    let farthest = way.iter().copied().fold(0.0, f64::max).max(1e-300);
-    let reach = vein_reach(mesh, size);
-    let rim = mesh.rim.len();
-    let grey = |v: usize| {
-        let p = mesh.positions[v];
-        let inwards = if v < rim { 0.0 } else { (depth[v] / deepest).min(1.0) };
-        let outwards = 1.0 - inwards;
-        let near = way[v] / (0.15 * size);
-        let far = way[v] / farthest;
-        let curl = MARGIN * outwards * outwards.sqrt()
-            + TIPS * tipness(outline, p, 0.12 * size)
-            + PETIOLE * exp(-near * near)
-            + DISTANCE * far * far;
-        255.0 * veinness(p, veins, reach).max(1.0 - curl.clamp(0.0, 1.0))
-    };
-    (0..mesh.positions.len()).map(grey).collect()
+settings! {
+    /// How the mask is derived when none is painted. The first five are weights in the curl, which is 0 where the blade stays
+    /// and 1 where it moves most.
+    pub struct Mask {
+        /// Curl of the whole blade between its veins.
+        lamina: f64 = 0.15, range 0.0 => 1.0;
+        /// Curl of the margin; it falls off inwards with the power 1.5 of the height above the deepest place.
+        margin: f64 = 0.60, range 0.0 => 1.0;
+        /// Curl of tips: of places where less than half of a disc about them lies in the blade.
+        tips: f64 = 0.35, range 0.0 => 1.0;
+        /// Curl about the petiole's joint.
+        petiole: f64 = 0.25, range 0.0 => 1.0;
+        /// Curl of the place farthest from the joint; it grows with the square of the way from there.
+        distance: f64 = 0.15, range 0.0 => 1.0;
+        /// Radius of the disc of `tips`.
+        tip_radius: f64 = 0.12, unit "square roots of the blade's area", range 0.01 => 0.5;
+        /// Radius of the neighbourhood of the joint.
+        petiole_reach: f64 = 0.15, unit "square roots of the blade's area", range 0.01 => 1.0;
+        /// Whiteness of veins: 1 holds them still, 0 ignores them.
+        veins: f64 = 1.0, range 0.0 => 1.0;
+        /// How far the white of a main vein reaches, that of secondaries 0.6 of it. On a mesh with longer edges it is half an
+        /// edge, so that no vein slips between vertices.
+        vein_reach: f64 = 0.02, unit "square roots of the blade's area", range 0.001 => 0.2;
+        /// Depth below the margin, as a share of the deepest place, at which veins have their full white: their ends move.
+        vein_ends: f64 = 0.25, range 0.0 => 1.0;
+        /// Deviation of the final blur.
+        blur: f64 = 0.005, unit "square roots of the blade's area", range 0.0 => 0.1;
+    }
 }
 
-/// How far a vein's white reaches: a fiftieth of the blade, or half an edge where the mesh is coarser than that.
-fn vein_reach(mesh: &FlatMesh, size: f64) -> f64 {
+/// Draws the mask of a blade: its outline and the outlines of its holes (metres, in the mesh's plane, either sense), its
+/// veins, and the mesh for the layout and the length of its edges. Grey, opaque; black where there is no blade.
+#[must_use]
+pub fn drawn(mesh: &FlatMesh, outline: &[DVec2], holes: &[&[DVec2]], veins: &[Vein], law: &Mask) -> Picture {
+    let layout = Layout::new(mesh, outline);
+    let fields = Fields::new(&layout, outline, holes, law);
+    let reach = (law.vein_reach * layout.size).max(0.5 * mean_edge(mesh) * layout.scale);
+    let white = fields::whiteness(&layout, veins, reach);
+    let raw = |cell: usize| if fields.inside.cells[cell] { grey(law, &fields, white.cells[cell], cell) } else { 0.0 };
+    let greys = Grid { width: SIDE, height: SIDE, cells: (0..SIDE * SIDE).map(raw).collect() };
+    let smooth = smoothed(&greys, &fields.inside, law.blur * layout.size);
+    let code = |value: f32| {
+        let grey = (value.clamp(0.0, 255.0) + 0.5) as u8;
+        [grey, grey, grey, 255]
+    };
+    Picture { width: SIDE as u32, height: SIDE as u32, pixels: smooth.cells.into_iter().map(code).collect() }
+}
+
+/// The law, for one cell.
+fn grey(law: &Mask, fields: &Fields, white: f32, cell: usize) -> f32 {
+    let outwards = 1.0 - f64::from(fields.depth.cells[cell]);
+    let far = f64::from(fields.way.cells[cell]);
+    let curl = law.lamina
+        + law.margin * outwards * outwards.sqrt()
+        + law.tips * f64::from(fields.tipness.cells[cell])
+        + law.petiole * f64::from(fields.nearness.cells[cell])
+        + law.distance * far * far;
+    let full = (f64::from(fields.depth.cells[cell]) / law.vein_ends.max(1e-9)).min(1.0);
+    let vein = law.veins * f64::from(white) * full;
+    (255.0 * (1.0 - curl.clamp(0.0, 1.0) * (1.0 - vein))) as f32
+}
+
+/// Mean length of the mesh's edges, metres.
+fn mean_edge(mesh: &FlatMesh) -> f64 {
     let edges = mesh.edges();
     let length = |e: &[u32; 2]| (mesh.positions[e[0] as usize] - mesh.positions[e[1] as usize]).norm();
-    let mean = edges.iter().map(length).sum::<f64>() / edges.len().max(1) as f64;
-    (0.02 * size).max(0.5 * mean)
+    edges.iter().map(length).sum::<f64>() / edges.len().max(1) as f64
 }
 
-/// 1 on a main vein, less beside it and towards its end; thinner orders are narrower and less white.
-fn veinness(p: DVec2, veins: &[Vein], reach: f64) -> f64 {
-    let one = |vein: &Vein| {
-        let share = match vein.order {
-            1 => 1.0,
-            2 => 0.6,
-            _ => return 0.0,
+/// Blurred within the blade (normalised convolution), and spilt a little over its margin.
+fn smoothed(greys: &Grid<f32>, inside: &Grid<bool>, deviation: f64) -> Grid<f32> {
+    let weight = inside.map(|c| f32::from(u8::from(c)));
+    let (sum, share) = if deviation > 0.2 {
+        (blurred(greys, deviation), blurred(&weight, deviation))
+    } else {
+        (greys.clone(), weight)
+    };
+    let mean = |i: usize| if inside.cells[i] { sum.cells[i] / share.cells[i].max(1e-6) } else { 0.0 };
+    let mut made = Grid { cells: (0..greys.cells.len()).map(mean).collect(), ..*greys };
+    spill(&mut made, inside);
+    made
+}
+
+/// Cells beyond the margin take the mean of their known neighbours, ring after ring.
+fn spill(greys: &mut Grid<f32>, inside: &Grid<bool>) {
+    let mut known = inside.clone();
+    let beside = |known: &Grid<bool>, i: usize| !known.cells[i] && inside.neighbours(i).any(|n| known.cells[n]);
+    let mut ring: Vec<usize> = (0..known.cells.len()).filter(|&i| beside(&known, i)).collect();
+    for _ in 0..SPILL {
+        let mean = |&i: &usize| {
+            let around: Vec<f32> = known.neighbours(i).filter(|&n| known.cells[n]).map(|n| greys.cells[n]).collect();
+            around.iter().sum::<f32>() / around.len().max(1) as f32
         };
-        let (distance, along) = from_vein(p, vein);
-        let off = distance / (reach * share);
-        let fading = 1.0 - 0.9 * along * along * along * along;
-        (0.4 + 0.6 * share) * fading * exp(-off * off)
-    };
-    veins.iter().map(one).fold(0.0, f64::max)
+        let values: Vec<f32> = ring.iter().map(mean).collect();
+        for (&i, value) in ring.iter().zip(values) {
+            (greys.cells[i], known.cells[i]) = (value, true);
+        }
+        let mut next: Vec<usize> =
+            ring.iter().flat_map(|&i| known.neighbours(i)).filter(|&n| !known.cells[n]).collect();
+        next.sort_unstable();
+        next.dedup();
+        ring = next;
+    }
 }
 
-/// 1 at a needle's point, 0 where half of a disc about the point or more lies in the blade.
-fn tipness(outline: &[DVec2], p: DVec2, radius: f64) -> f64 {
-    let rings = [(0.35, 6u32), (0.65, 10), (0.9, 16)];
-    let (mut inside, mut count) = (0u32, 0u32);
-    for (share, places) in rings {
-        for i in 0..places {
-            let (sine, cosine) = sincos(std::f64::consts::TAU * f64::from(i) / f64::from(places));
-            let q = p + DVec2::new(cosine, sine) * (radius * share);
-            inside += u32::from(polygon::contains(outline, q));
-            count += 1;
-        }
-    }
-    (1.0 - 2.0 * f64::from(inside) / f64::from(count)).clamp(0.0, 1.0)
-}
-
-/// Way from the joint to each vertex along edges, metres (Bellman and Ford: sweeps until nothing gets shorter).
-pub fn ways(mesh: &FlatMesh) -> Vec<f64> {
-    let edges = mesh.edges();
-    let length = |e: &[u32; 2]| (mesh.positions[e[0] as usize] - mesh.positions[e[1] as usize]).norm();
-    let lengths: Vec<f64> = edges.iter().map(length).collect();
-    let mut way: Vec<f64> = mesh.positions.iter().map(|_| f64::INFINITY).collect();
-    for &v in &mesh.held {
-        way[v as usize] = mesh.positions[v as usize].norm();
-    }
-    loop {
-        let mut shorter = false;
-        let sweep = edges.iter().zip(&lengths);
-        for (&[a, b], length) in sweep.clone().chain(sweep.rev()) {
-            for (from, to) in [(a as usize, b as usize), (b as usize, a as usize)] {
-                if way[from] + length < way[to] {
-                    way[to] = way[from] + length;
-                    shorter = true;
-                }
-            }
-        }
-        if !shorter {
-            return way;
-        }
-    }
-}
+#[cfg(test)]
+mod tests;

@@ -8,6 +8,7 @@ mod canvas;
 mod chart;
 mod contour;
 mod contrast;
+mod field;
 mod file;
 mod gaps;
 mod grid;
@@ -40,6 +41,7 @@ use crate::base::vector::DVec2;
 use crate::{choice, settings};
 pub use chart::Chart;
 pub use file::{MASK, TEXTURE, text as file_text};
+pub use mask::Mask;
 pub use petiole::Petiole;
 use remesh::Remesh;
 use spline::Spline;
@@ -106,6 +108,8 @@ settings! {
         /// The blade's upper side as `leafseason leaf` writes it: straightened, laid out by texture coordinates, clear
         /// where no leaf is. That of `picture` when absent; painted when there is neither.
         texture: Option<String> = None;
+        /// The law by which a mask is derived.
+        mask_law: Mask = Mask::default();
         /// Length of the blade from the joint to the farthest tip, to which an outline or a scan is scaled.
         length: f64 = 75.0, unit "mm", range 1.0 => 2000.0;
         /// How the veins are laid out when they are drawn from the outline.
@@ -297,16 +301,18 @@ fn blade(settings: &Settings, pictures: Pictures, trace: Option<&Trace>) -> Resu
     let mut figures = figures(&mesh, &outlines, shape.keys.len(), trace);
     let mut flat = laid_out(&mesh);
     let scanned = pictures.picture.zip(trace);
-    let veins = match shape.veins.is_empty() {
-        true => veins::grown(&outlines[0], settings.venation),
-        false => std::mem::take(&mut shape.veins),
+    let (veins, source) = match (shape.veins.is_empty(), trace.is_some()) {
+        (true, true) => (veins::grown(&outlines[0], settings.venation), "outline, none seen in the scan"),
+        (true, false) => (veins::grown(&outlines[0], settings.venation), "outline"),
+        (false, true) => (std::mem::take(&mut shape.veins), "scan"),
+        (false, false) => (std::mem::take(&mut shape.veins), "given"),
     };
+    figures = figures.with("veins", source);
     let mask = match pictures.mask {
         Some(picture) => picture.clone(),
         None => {
-            let g = mask::greys(&flat, &outlines[0], &veins);
-            let m = g.iter().sum::<f64>() / g.len() as f64;
-            Picture::filled(512, 512, [m as u8, m as u8, m as u8, 255])
+            let holes: Vec<&[DVec2]> = outlines[1..].iter().map(Vec::as_slice).collect();
+            mask::drawn(&flat, &outlines[0], &holes, &veins, &settings.mask_law)
         }
     };
     flat.greys = flat.uvs.iter().map(|uv| scan::grey_at(&mask, *uv)).collect();

@@ -1,7 +1,6 @@
 //! Veins of a blade: seen in its scan, or grown from its outline when there is nothing to see.
 
 mod branching;
-mod field;
 mod forking;
 mod grown;
 mod line;
@@ -18,5 +17,4 @@ mod tree;
 mod width;
 
 pub use grown::grown;
-pub use line::from_vein;
 pub use scanned::scanned;

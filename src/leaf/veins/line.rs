@@ -1,6 +1,5 @@
 //! Polylines: lengths, places along them, distances from them.
 
-use crate::base::blade::Vein;
 use crate::base::vector::DVec2;
 use crate::leaf::polygon;
 
@@ -36,13 +35,6 @@ pub fn distance(p: DVec2, line: &[DVec2]) -> f64 {
 pub fn quadratic(from: DVec2, control: DVec2, to: DVec2, pieces: u32) -> Vec<DVec2> {
     let at = |t: f64| from * ((1.0 - t) * (1.0 - t)) + control * (2.0 * t * (1.0 - t)) + to * (t * t);
     (0..=pieces).map(|i| at(f64::from(i) / f64::from(pieces))).collect()
-}
-
-/// Distance of a point from a vein's line, and where along the line the nearest piece starts, 0 to 1.
-pub fn from_vein(p: DVec2, vein: &Vein) -> (f64, f64) {
-    let pieces = vein.points.len() as f64 - 1.0;
-    let distance = |(i, w): (usize, &[DVec2])| (polygon::segment_distance(p, w[0], w[1]), i as f64 / pieces);
-    vein.points.windows(2).enumerate().map(distance).fold((f64::INFINITY, 0.0), |a, b| if b.0 < a.0 { b } else { a })
 }
 
 #[cfg(test)]

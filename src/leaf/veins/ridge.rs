@@ -2,8 +2,8 @@
 //! across lines at several widths (Sato et al. 1998, "Three-dimensional multi-scale line filter"; the difference of both
 //! curvatures, after Frangi et al. 1998, keeps spots from passing for lines).
 
-use super::field::{blurred, quantile, widely_blurred};
 use super::sheet::Sheet;
+use crate::leaf::field::{blurred, quantile, widely_blurred};
 use crate::leaf::grid::Grid;
 
 /// Standard deviations of the filters, shares of the blade's size.
