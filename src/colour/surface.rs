@@ -157,7 +157,7 @@ pub(super) mod tests {
                 vein(2, 0.7, &[(0.0, 8.0), (22.0, 34.0)]),
                 vein(2, 0.7, &[(0.0, 8.0), (-22.0, 34.0)]),
             ],
-            scan: None,
+            ..Blade::default()
         }
     }
 

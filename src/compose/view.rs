@@ -4,7 +4,7 @@ use super::light::{Circle, fitted};
 use super::stand::Stand;
 use crate::base::vector::DVec3;
 use crate::frame::{Camera, ToneMap, View, Wireframe};
-use crate::scene::{Scene, light::Tone};
+use crate::scene::{Scene, image::Leaves, light::Tone};
 
 /// Height of the eye of a fitted camera: a standing person's, metres.
 const EYE: f64 = 1.6;
@@ -20,9 +20,10 @@ pub(super) fn view(scene: &Scene, exposure: f32) -> View {
         samples: scene.image.samples,
         shadow_size: scene.light.shadow_size,
         exposure,
-        tone_map: match scene.light.tone {
-            Tone::Neutral => ToneMap::Neutral,
-            Tone::None => ToneMap::None,
+        tone_map: match (scene.light.tone, scene.image.leaves) {
+            (Tone::Neutral, Leaves::Lit) => ToneMap::Neutral,
+            // charts show their colours as they are
+            _ => ToneMap::None,
         },
         wireframe: (scene.image.wireframe > 0.0)
             .then(|| Wireframe { width: scene.image.wireframe as f32, colour: LINES }),

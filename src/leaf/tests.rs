@@ -106,7 +106,7 @@ fn limits_stand_before_the_work() {
 #[test]
 fn a_painted_mask_wins() {
     let mask = Picture::filled(8, 8, [77, 77, 77, 255]);
-    let pictures = Pictures { picture: None, mask: Some(&mask) };
+    let pictures = Pictures { mask: Some(&mask), ..Pictures::default() };
     let (blade, _) = model(&maple(), pictures, &Limits::default()).unwrap();
     assert!(blade.mesh.greys.iter().all(|g| (g - 77.0).abs() < 1e-9));
 }
@@ -140,7 +140,7 @@ fn a_painted_leaf_is_traced() {
     assert!(trace.pose.axis.dot(&DVec2::from(AXIS)) > 0.99, "{:?}", trace.pose);
     // the default bound: a thousandth of the diagonal, at least a pixel
     assert!(trace.hausdorff <= 1.0);
-    let pictures = Pictures { picture: Some(&picture), mask: None };
+    let pictures = Pictures { picture: Some(&picture), ..Pictures::default() };
     let (blade, figures) = model(&settings, pictures, &Limits::default()).unwrap();
     assert_sound(&blade);
     assert!(figure(&figures, "outline_hausdorff_px") <= 1.0);
@@ -156,7 +156,7 @@ fn a_traced_leaf_written_as_an_outline_gives_the_same_mesh() {
     let picture = painted();
     let settings = Settings { length: 100.0, ..Settings::default() };
     let trace = trace(&settings, &picture, &Limits::default()).unwrap();
-    let pictures = Pictures { picture: Some(&picture), mask: None };
+    let pictures = Pictures { picture: Some(&picture), ..Pictures::default() };
     let scanned = model(&settings, pictures, &Limits::default()).unwrap().0;
     let outlined = modelled(&Settings { outline: Some(trace.outline_millimetres()), ..settings }).0;
     let apart = scanned.mesh.positions.iter().zip(&outlined.mesh.positions).map(|(a, b)| (a - b).norm());
