@@ -95,11 +95,16 @@ impl Grid<bool> {
     /// Distance of each cell to the nearest true one of its column, at most 65,535.
     fn column_distances(&self) -> Vec<u16> {
         let mut heights: Vec<u16> = self.cells.iter().map(|&c| if c { 0 } else { u16::MAX }).collect();
-        for i in self.width..heights.len() {
-            heights[i] = heights[i].min(heights[i - self.width].saturating_add(1));
+        let lower = |row: &mut [u16], beside: &[u16]| {
+            row.iter_mut().zip(beside).for_each(|(height, other)| *height = (*height).min(other.saturating_add(1)));
+        };
+        for y in 1..self.height {
+            let (above, below) = heights.split_at_mut(y * self.width);
+            lower(&mut below[..self.width], &above[(y - 1) * self.width..]);
         }
-        for i in (0..heights.len().saturating_sub(self.width)).rev() {
-            heights[i] = heights[i].min(heights[i + self.width].saturating_add(1));
+        for y in (1..self.height).rev() {
+            let (above, below) = heights.split_at_mut(y * self.width);
+            lower(&mut above[(y - 1) * self.width..], &below[..self.width]);
         }
         heights
     }

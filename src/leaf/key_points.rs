@@ -151,6 +151,7 @@ pub fn distance(outline: &[DVec2], keys: &[usize], spline: &Spline) -> f64 {
 mod tests {
     use super::*;
     use crate::base::maths::{sin, sincos};
+    use proptest::prelude::*;
 
     #[test]
     fn a_wavy_outline_is_met_within_the_bound() {
@@ -167,6 +168,33 @@ mod tests {
             assert!(distance(&outline, &keys, &spline) >= reached * 0.99);
             assert!(reached <= tolerance * 1.02, "{reached} for {tolerance} with {} keys", keys.len());
             assert!(keys.len() < 400);
+        }
+    }
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(16))]
+
+        #[test]
+        fn the_bound_is_held_on_any_star(
+            waves in prop::collection::vec((2u32..40, 0.0..0.12f64, 0.0..6.3f64), 1..6),
+            spikes in 0u32..12,
+            radius in 40.0..160.0f64,
+        ) {
+            let count = (radius * 7.0) as u32;
+            let point = |i: u32| {
+                let angle = std::f64::consts::TAU * f64::from(i) / f64::from(count);
+                let wave = |&(n, size, phase): &(u32, f64, f64)| size * sin(f64::from(n) * angle + phase);
+                let spike = sin(f64::from(spikes) * angle / 2.0).abs();
+                let (sine, cosine) = sincos(angle);
+                DVec2::new(cosine, sine) * (radius * (1.0 + 0.3 * spike + waves.iter().map(wave).sum::<f64>()))
+            };
+            let outline: Vec<DVec2> = (0..count).map(point).collect();
+            for tolerance in [0.5, 1.0, 2.0, 4.0] {
+                let keys = chosen(&outline, tolerance, 1.134);
+                let spline = spline(&outline, &keys, 1.134);
+                prop_assert!(distance(&outline, &keys, &spline) <= tolerance);
+                let reached = polygon::hausdorff(&outline, &spline.polyline(12));
+                prop_assert!(reached <= tolerance * 1.02, "{} for {} with {} keys", reached, tolerance, keys.len());
+            }
         }
     }
 }

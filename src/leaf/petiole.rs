@@ -56,42 +56,65 @@ pub struct Cut {
 /// no long petiole.
 pub fn cut(leaf: &Grid<bool>, wide: &Grid<bool>) -> Cut {
     let radius = (RADIUS * (leaf.area() as f64).sqrt()).max(2.0);
-    let symmetry = Symmetry::of(leaf);
-    let best = symmetry.along(symmetry.best());
-    let balance = |strand: &Strand| symmetry.along(symmetry.heading(strand.line[0])) / best;
-    let mut blade = leaf.clone();
-    let mut longest: Option<Strand> = None;
-    for whole in [leaf, wide] {
-        if longest.as_ref().is_some_and(|s| s.length() > FAR * radius) {
-            break;
-        }
-        for strand in strands(whole, radius).into_iter().filter(|s| s.is_petiole(radius)) {
-            let is_end = strand.length() < FAR * radius && balance(&strand) < SYMMETRIC;
-            let is_base = strand.is_even() || symmetry.is_base(symmetry.heading(strand.line[0]));
-            if is_end {
-                strand.beyond_flare().for_each(|cell| blade.cells[cell] = false);
-            }
-            if is_end || !is_base {
-                continue;
-            }
-            if longest.as_ref().is_none_or(|s| s.length() < strand.length()) {
-                longest = Some(strand);
-            }
-        }
+    let balance = Balance::of(leaf);
+    let long = |whole| strands(whole, radius).into_iter().filter(|s| s.is_long(radius)).collect::<Vec<Strand>>();
+    let is_petiole = |s: &Strand| !balance.is_end(s, radius) && balance.is_base(s);
+    let own = long(leaf);
+    let mut faint = Vec::new();
+    if !own.iter().any(|s| s.length() > FAR * radius && is_petiole(s)) {
+        faint = long(wide);
+        // the lines of ruled paper come in numbers
+        faint.truncate(if faint.len() > 1 { 0 } else { 1 });
     }
-    if let Some(strand) = &longest {
+    let all: Vec<Strand> = own.into_iter().chain(faint).collect();
+    let longest = (0..all.len())
+        .filter(|&i| is_petiole(&all[i]))
+        .max_by(|&i, &j| all[i].length().total_cmp(&all[j].length()).then(j.cmp(&i)));
+    let mut blade = leaf.clone();
+    for (_, strand) in all.iter().enumerate().filter(|(i, s)| Some(*i) == longest || balance.is_end(s, radius)) {
         strand.beyond_flare().for_each(|cell| blade.cells[cell] = false);
     }
-    let petiole = longest.map(Strand::into_petiole);
-    let joint = petiole.as_ref().map(|p| p.line[0]).or_else(|| stump(leaf, &symmetry, radius * 0.5, &balance));
+    let petiole = longest.map(|i| all[i].petiole());
+    let joint = petiole.as_ref().map(|p| p.line[0]).or_else(|| balance.stump(leaf, radius * 0.5));
     Cut { blade: blade.largest_part(), petiole, joint }
 }
 
-/// Where a stump stands out: a thin part, however short, at the base of the axis of symmetry.
-fn stump(leaf: &Grid<bool>, symmetry: &Symmetry, radius: f64, balance: &dyn Fn(&Strand) -> f64) -> Option<DVec2> {
-    let stands_out = |s: &Strand| s.length() > STUMP * radius && symmetry.is_base(symmetry.heading(s.line[0]));
-    let found = strands(leaf, radius).into_iter().filter(stands_out).map(|s| (balance(&s), s.line[0]));
-    found.filter(|f| f.0 > BALANCED).max_by(|a, b| a.0.total_cmp(&b.0)).map(|f| f.1)
+/// Judges strands by how symmetric the blade is about the line from where they hang.
+struct Balance<'a> {
+    symmetry: Symmetry<'a>,
+    /// Symmetry about the best axis.
+    best: f64,
+}
+
+impl<'a> Balance<'a> {
+    fn of(leaf: &'a Grid<bool>) -> Self {
+        let symmetry = Symmetry::of(leaf);
+        let best = symmetry.along(symmetry.best()).max(1e-9);
+        Self { symmetry, best }
+    }
+
+    /// Symmetry about the line from a strand, share of the best.
+    fn about(&self, strand: &Strand) -> f64 {
+        self.symmetry.along(self.symmetry.heading(strand.line[0])) / self.best
+    }
+
+    /// Whether a strand is the far end of a petiole folded over the blade.
+    fn is_end(&self, strand: &Strand, radius: f64) -> bool {
+        strand.length() < FAR * radius && self.about(strand) < SYMMETRIC
+    }
+
+    /// Whether a strand hangs at the base of the blade, or can be no tip.
+    fn is_base(&self, strand: &Strand) -> bool {
+        strand.is_even() || self.symmetry.is_base(self.symmetry.heading(strand.line[0]))
+    }
+
+    /// Where a stump stands out: a thin part, however short, at the base of the axis of symmetry.
+    fn stump(&self, leaf: &Grid<bool>, radius: f64) -> Option<DVec2> {
+        let at_base = |s: &Strand| self.symmetry.is_base(self.symmetry.heading(s.line[0]));
+        let stands_out = |s: &Strand| s.length() > STUMP * radius && at_base(s);
+        let found = strands(leaf, radius).into_iter().filter(stands_out).map(|s| (self.about(&s), s.line[0]));
+        found.filter(|f| f.0 > BALANCED).max_by(|a, b| a.0.total_cmp(&b.0)).map(|f| f.1)
+    }
 }
 
 /// A thin part: its cells in the order of their steps from the core.
@@ -152,7 +175,7 @@ impl Strand {
     }
 
     /// Long, and as wide at its end as near the blade.
-    fn is_petiole(&self, radius: f64) -> bool {
+    fn is_long(&self, radius: f64) -> bool {
         self.length() > LONG * radius && self.width(0.55, 0.9) > PARALLEL * self.width(0.2, 0.55)
     }
 
@@ -172,9 +195,9 @@ impl Strand {
         self.cells.iter().zip(&self.levels).filter(move |(_, level)| **level >= start).map(|(cell, _)| *cell)
     }
 
-    fn into_petiole(mut self) -> Petiole {
+    fn petiole(&self) -> Petiole {
         let start = self.start();
-        Petiole { line: self.line.split_off(start), widths: self.widths.split_off(start) }
+        Petiole { line: self.line[start..].to_vec(), widths: self.widths[start..].to_vec() }
     }
 }
 

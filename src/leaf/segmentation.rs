@@ -23,10 +23,11 @@ const FURTHER: f64 = 0.1;
 const THREAD: f64 = 0.002;
 /// Half width of the thinnest petiole that is looked for where its colour is near the paper's, share of the square root of
 /// the leaf's area.
-const STRAND: f64 = 0.005;
-/// Half width of what lies over the blade and is not paper, such as a folded petiole, share of the square root of the area.
+const STRAND: f64 = 0.0075;
+/// Most half width of what lies over the blade and is not paper, such as a folded petiole, and the least, under which it may be
+/// a line on the paper; shares of the square root of the leaf's area.
 const BRIDGE: f64 = 0.012;
-const BROAD: f64 = 0.004;
+const BROAD: f64 = 0.006;
 
 /// The blade in a picture.
 #[derive(Clone, Debug, PartialEq)]

@@ -174,6 +174,7 @@ fn shared_scans_agree_with_their_hand_traces() {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let folders = ["../shared/leaves", "../../shared/leaves"].map(|folder| here.join(folder));
     let folder = folders.iter().find(|folder| folder.is_dir()).unwrap_or(&folders[0]);
+    let (mut sum, mut count) = (0.0, 0);
     for name in ["grape_palmate_a", "grape_palmate_b", "grape_palmate_petiole"] {
         let Ok(image) = image::open(folder.join(format!("{name}.jpg"))) else { continue };
         let image = image.to_rgba8();
@@ -185,7 +186,13 @@ fn shared_scans_agree_with_their_hand_traces() {
         let iou = trace.iou(&truth.blade);
         let joint = (trace.pose.joint - DVec2::from(truth.blade[0])).norm();
         println!("{name}: IoU {iou:.4}, joint {joint:.0} px off, {} keys", trace.keys.len());
-        assert!(iou >= 0.97, "{name}: {iou}");
-        assert!(joint < 0.06 * f64::from(picture.height), "{name}: {joint}");
+        assert!(iou >= 0.98, "{name}: {iou}");
+        sum += iou;
+        count += 1;
+        assert!(joint < 0.03 * f64::from(picture.height), "{name}: {joint}");
+        // the lobes overlap and leave gaps; only the third leaf's petiole lies beside the blade
+        assert!(trace.gaps >= 1 && trace.others == 0, "{name}");
+        assert_eq!(trace.petiole.is_some_and(|p| p.length() > 300.0), name == "grape_palmate_petiole");
     }
+    assert!(sum >= 0.985 * f64::from(count), "mean IoU {}", sum / f64::from(count));
 }

@@ -202,21 +202,4 @@ fn posed(blade: &Grid<bool>, outline: &[DVec2], stalk: Option<DVec2>, length: f6
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_pose_goes_there_and_back() {
-        let axis = DVec2::new(0.6, -0.8);
-        let pose = Pose { joint: DVec2::new(100.0, 200.0), axis, scale: 0.001 };
-        let p = DVec2::new(0.01, 0.03);
-        assert!((pose.plane(pose.pixel(p)) - p).norm() < 1e-15);
-        assert!((pose.plane(pose.joint + axis * 10.0) - DVec2::new(0.0, 0.01)).norm() < 1e-15);
-    }
-
-    #[test]
-    fn an_upright_leaf_is_not_mirrored() {
-        let pose = Pose { joint: DVec2::zeros(), axis: DVec2::new(0.0, -1.0), scale: 1.0 };
-        assert!((pose.plane(DVec2::new(1.0, 0.0)) - DVec2::new(1.0, 0.0)).norm() < 1e-15);
-    }
-}
+mod tests;
