@@ -60,14 +60,20 @@ pub fn evened(loops: &[Spline], wanted: usize, iterations: u32) -> Result<Remesh
     let curves = curves(loops, wanted)?;
     let (rim, spacing) = fitted(&curves, wanted)?;
     let rings = rim.points();
-    let loops = ranges(&rings);
-    let mut points = rings.concat();
-    let inner = wanted.saturating_sub(points.len());
-    if inner > 0 {
-        points.extend(seeds::lattice(&rings, spacing, inner, seeds::heading(&rings)));
-    }
-    let topology = triangulated(&points, &loops)?;
-    Rounds::new(Remesh::of(points, loops, topology), rim, spacing, wanted)?.run(iterations)
+    let inner = wanted.saturating_sub(rings.iter().map(Vec::len).sum());
+    let seeds = seeds::lattice(&rings, spacing, inner, seeds::heading(&rings));
+    Rounds::new(Remesh::of(&rings, seeds)?, rim, spacing, wanted)?.run(iterations)
+}
+
+/// The constrained Delaunay triangulation of the rim of such a mesh alone: the long and narrow triangles of the paper's
+/// Figure 1(b), which the rounds are there to mend.
+///
+/// # Errors
+/// As [`evened`].
+pub fn bare(loops: &[Spline], wanted: usize) -> Result<Remesh, LeafError> {
+    let curves = curves(loops, wanted)?;
+    let (rim, _) = fitted(&curves, wanted)?;
+    Remesh::of(&rim.points(), Vec::new())
 }
 
 /// The numbers of the points of each loop if all stand in one row.
@@ -128,7 +134,14 @@ impl<'a> Rounds<'a> {
     fn run(mut self, iterations: u32) -> Result<Remesh, LeafError> {
         let mut idle = 0;
         for round in 1..=iterations {
-            let settled = self.round();
+            let before = (self.mesher.clone(), self.count);
+            let mut settled = self.round();
+            let crossing = self.mesher.rim.crossing();
+            if !crossing.is_empty() {
+                (self.mesher, self.count) = before;
+                self.mesher.rim.freeze(&crossing);
+                settled = false;
+            }
             idle = if self.keep_better() { 0 } else { idle + 1 };
             self.best.rounds = round;
             if settled || idle == IDLE {
@@ -163,7 +176,7 @@ impl<'a> Rounds<'a> {
         let triangles: Vec<[u32; 3]> = web.triangles().map(|(_, t)| t.map(|v| numbers[v as usize])).collect();
         let loops = ranges(&rings);
         let quality = graded(&points, &loops, &triangles);
-        let better = quality.is_no_worse_than(&self.best.quality) && self.mesher.rim.is_simple();
+        let better = quality.is_no_worse_than(&self.best.quality);
         if better {
             (self.best.points, self.best.loops, self.best.quality) = (points, loops, quality);
             self.best.topology = Topology { triangles, edges: Vec::new() };
@@ -174,8 +187,16 @@ impl<'a> Rounds<'a> {
 }
 
 impl Remesh {
-    fn of(points: Vec<DVec2>, loops: Vec<Range<usize>>, topology: Topology) -> Self {
+    /// The triangulation of loops and the points within.
+    fn of(rings: &[Vec<DVec2>], inner: Vec<DVec2>) -> Result<Self, LeafError> {
+        let loops = ranges(rings);
+        let mut points = rings.concat();
+        points.extend(inner);
+        let topology = triangulated(&points, &loops)?;
         let quality = graded(&points, &loops, &topology.triangles);
-        Self { points, loops, topology, quality, rounds: 0, history: vec![quality] }
+        Ok(Self { points, loops, topology, quality, rounds: 0, history: vec![quality] })
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -180,6 +180,7 @@ impl Mesher<'_> {
         let mut fan = Vec::new();
         self.web.fan(v, &mut fan);
         let mut changes = Vec::new();
+        let leeway = if self.is_poor(v) { 8 } else { LEEWAY };
         // What was tried from another corner of the same diamond need not be tried again.
         let is_new = |t: u32, i: usize| {
             self.web.diamond(t, i).is_some_and(|(corners, _)| corners.iter().all(|&x| x == v || !tried[x as usize]))
@@ -188,16 +189,17 @@ impl Mesher<'_> {
             let i = self.web.corner(t, v);
             for corner in [i, (i + 2) % 3] {
                 if is_new(t, corner) {
-                    changes.extend(self.promising(t, corner, count));
+                    changes.extend(self.promising(t, corner, count, leeway));
                 }
             }
         }
         if self.rim.holds(v) {
             let [before, after] = self.rim.beside(v);
             if count.now < count.most {
-                changes.extend([before, v].map(|v| (1, Change::SplitRim(v))));
+                let open = [before, v].into_iter().filter(|&v| self.rim.may_come(v));
+                changes.extend(open.map(|v| (1, Change::SplitRim(v))));
             }
-            if count.now > count.least && !self.rim.is_first(v) {
+            if count.now > count.least && self.rim.may_go(v) {
                 changes.extend([before, after].map(|w| (0, Change::CollapseRim(v, w))));
             }
         }
@@ -206,7 +208,7 @@ impl Mesher<'_> {
     }
 
     /// Changes of an edge that do not make the triangle counts much worse, with what they do to them.
-    fn promising(&self, t: u32, i: usize, count: &Count) -> Vec<(i64, Change)> {
+    fn promising(&self, t: u32, i: usize, count: &Count, leeway: i64) -> Vec<(i64, Change)> {
         let Some((corners, _)) = self.web.diamond(t, i) else { return Vec::new() };
         let [p, a, q, b] = corners.map(|v| self.excess(v));
         let square = |x: i64| x * x;
@@ -223,7 +225,7 @@ impl Mesher<'_> {
             let joined = a + b + 2;
             changes.push((square(p - 1) + square(q - 1) + square(joined) - now, Change::Collapse(from, to)));
         }
-        changes.retain(|change| change.0 <= LEEWAY);
+        changes.retain(|change| change.0 <= leeway);
         changes
     }
 
@@ -270,11 +272,8 @@ impl Mesher<'_> {
             }
             Change::CollapseRim(v, w) => {
                 patch.lose(v);
-                let [before, after] = self.rim.beside(v);
-                // A loop of three is the least.
-                let is_least = self.rim.beside(before)[0] == after;
                 self.rim.remove(v);
-                return !is_least && self.web.collapse_rim(v, w);
+                return self.web.collapse_rim(v, w);
             }
             Change::Split(t, i) => {
                 let [_, a, b] = [0, 1, 2].map(|k| self.web.corners(t)[(i + k) % 3]);

@@ -67,11 +67,12 @@ impl<'a> Mesher<'a> {
 
     /// Moves one vertex to where its triangles cost less; how far.
     pub fn moved(&mut self, v: u32) -> f64 {
-        if self.rim.is_fixed(v) {
+        let (holds, slides) = (self.rim.holds(v), self.rim.slides(v));
+        if holds && !slides {
             return 0.0;
         }
         self.look_round(v);
-        if self.rim.holds(v) { self.slide(v) } else { self.step(v) }
+        if slides { self.slide(v) } else { self.step(v) }
     }
 
     fn look_round(&mut self, v: u32) {

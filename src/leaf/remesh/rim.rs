@@ -25,14 +25,23 @@ struct Spot {
     arc: f64,
     /// Whether it does not slide: the first of each loop, and corners of the curve.
     is_fixed: bool,
+    /// Whether it and the chords beside it stay as they are.
+    is_frozen: bool,
     /// How far it stands off the curve.
     shift: DVec2,
     /// How far it tries to slide.
     slide: f64,
 }
 
-const INNER: Spot =
-    Spot { owner: NONE, beside: [NONE; 2], arc: 0.0, is_fixed: false, shift: DVec2::new(0.0, 0.0), slide: 0.0 };
+const INNER: Spot = Spot {
+    owner: NONE,
+    beside: [NONE; 2],
+    arc: 0.0,
+    is_fixed: false,
+    is_frozen: false,
+    shift: DVec2::new(0.0, 0.0),
+    slide: 0.0,
+};
 
 /// How the vertices of a mesh lie on the loops of the outline; like the mesh it can be changed and changed back.
 #[derive(Clone, Debug)]
@@ -91,14 +100,31 @@ impl<'a> Rim<'a> {
         self.spots.get(v as usize).is_some_and(|spot| spot.owner != NONE)
     }
 
-    /// Whether a vertex lies on the outline and does not slide.
-    pub fn is_fixed(&self, v: u32) -> bool {
+    /// Whether a vertex lies on the outline, and is the first or a corner.
+    fn is_fixed(&self, v: u32) -> bool {
         self.spots.get(v as usize).is_some_and(|spot| spot.is_fixed)
     }
 
     /// Whether a vertex starts a loop.
-    pub fn is_first(&self, v: u32) -> bool {
+    fn is_first(&self, v: u32) -> bool {
         self.firsts.contains(&v)
+    }
+
+    /// Whether a vertex slides.
+    pub fn slides(&self, v: u32) -> bool {
+        self.spots.get(v as usize).is_some_and(|spot| spot.owner != NONE && !spot.is_fixed && !spot.is_frozen)
+    }
+
+    /// Whether a vertex may leave its loop.
+    pub fn may_go(&self, v: u32) -> bool {
+        let [before, after] = self.beside(v);
+        let is_least = self.beside(before)[0] == after;
+        !is_least && !self.is_first(v) && ![before, v, after].iter().any(|&v| self.spots[v as usize].is_frozen)
+    }
+
+    /// Whether a vertex may come between `v` and the next.
+    pub fn may_come(&self, v: u32) -> bool {
+        ![v, self.beside(v)[1]].iter().any(|&v| self.spots[v as usize].is_frozen)
     }
 
     /// The curve that a vertex slides on.
@@ -139,6 +165,23 @@ impl<'a> Rim<'a> {
     /// Whether the loops neither cross nor touch.
     pub fn is_simple(&self) -> bool {
         polygon::crossings(&self.points()).is_empty()
+    }
+
+    /// The vertices of chords that touch or cross.
+    pub fn crossing(&self) -> Vec<u32> {
+        let (loops, crossings) = (self.loops(), polygon::crossings(&self.points()));
+        let ends = |(k, i): (usize, usize)| [loops[k][i], loops[k][(i + 1) % loops[k].len()]];
+        crossings.into_iter().flatten().flat_map(ends).collect()
+    }
+
+    /// Keeps vertices, if they are on the rim, and the chords beside them as they are; all vertices if these are already.
+    pub fn freeze(&mut self, vertices: &[u32]) {
+        let thaws = |rim: &Self, v: u32| rim.holds(v) && !rim.spots[v as usize].is_frozen;
+        let mut cold: Vec<u32> = vertices.iter().copied().filter(|&v| thaws(self, v)).collect();
+        if cold.is_empty() {
+            cold = (0..self.spots.len() as u32).collect();
+        }
+        cold.into_iter().for_each(|v| self.spots[v as usize].is_frozen = true);
     }
 
     /// Starts a trial.
@@ -211,7 +254,8 @@ impl<'a> Rim<'a> {
         let missing = self.curves.iter().map(Curve::area).sum::<f64>() - enclosed;
         let across = |&v: &u32| {
             let [a, c] = self.beside(v).map(|w| self.at(w, self.arc(w)));
-            if self.is_corner(v) { DVec2::zeros() } else { DVec2::new(c.y - a.y, a.x - c.x) }
+            let stays = self.is_corner(v) || self.spots[v as usize].is_frozen;
+            if stays { DVec2::zeros() } else { DVec2::new(c.y - a.y, a.x - c.x) }
         };
         let across: Vec<DVec2> = all.iter().map(across).collect();
         let length: f64 = across.iter().map(|a| a.norm() * 0.5).sum();
@@ -227,6 +271,9 @@ impl<'a> Rim<'a> {
     }
 
     fn set_off_by(&self, v: u32, spacing: f64) -> DVec2 {
+        if self.spots[v as usize].is_frozen {
+            return self.spots[v as usize].shift;
+        }
         if self.is_corner(v) {
             return DVec2::zeros();
         }

@@ -11,6 +11,9 @@ const TRIALS: u32 = 10;
 
 /// About `wanted` lattice points inside the loops, one row of the lattice turned by `angle` from +x.
 pub fn lattice(loops: &[Vec<DVec2>], spacing: f64, wanted: usize, angle: f64) -> Vec<DVec2> {
+    if wanted == 0 {
+        return Vec::new();
+    }
     let (sine, cosine) = sincos(angle);
     let turned = |p: &DVec2| DVec2::new(cosine * p.x + sine * p.y, cosine * p.y - sine * p.x);
     let loops: Vec<Vec<DVec2>> = loops.iter().map(|points| points.iter().map(turned).collect()).collect();
