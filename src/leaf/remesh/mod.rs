@@ -1,13 +1,17 @@
 //! Even-sized triangles inside an outline, by rounds of the paper's two steps: relocate the vertices, modify the connections.
 
 mod curve;
+mod edit;
 mod energy;
+mod flip;
+mod offset;
 mod quality;
 mod reconnect;
 mod relocate;
 mod rim;
 mod ring;
 mod seeds;
+mod trial;
 mod triangulation;
 mod web;
 
@@ -15,10 +19,9 @@ use crate::base::vector::DVec2;
 use crate::leaf::LeafError;
 use crate::leaf::spline::Spline;
 use curve::Curve;
-use energy::Energy;
 pub use quality::Quality;
 use quality::graded;
-use reconnect::{Count, Marks};
+use reconnect::Count;
 use relocate::Mesher;
 use rim::Rim;
 use std::ops::Range;
@@ -113,10 +116,7 @@ fn fitted<'a>(curves: &'a [Curve<'a>], wanted: usize) -> Result<(Rim<'a>, f64), 
 /// The rounds under way, and the best mesh so far.
 struct Rounds<'a> {
     mesher: Mesher<'a>,
-    count: Count,
     best: Remesh,
-    tried: Vec<bool>,
-    marks: Marks,
 }
 
 impl<'a> Rounds<'a> {
@@ -126,19 +126,17 @@ impl<'a> Rounds<'a> {
         let web = Web::new(start.points.clone(), start.topology.triangles.clone(), edges).ok_or_else(narrow)?;
         let slack = (SLACK * wanted as f64) as usize;
         let count = Count { now: start.points.len(), least: wanted.saturating_sub(slack), most: wanted + slack };
-        let energy = Energy::of_spacing(spacing);
-        let mesher = Mesher::new(web, rim, energy, spacing);
-        Ok(Self { mesher, count, best: start, tried: Vec::new(), marks: Marks::default() })
+        Ok(Self { mesher: Mesher::new(web, rim, spacing, count), best: start })
     }
 
     fn run(mut self, iterations: u32) -> Result<Remesh, LeafError> {
         let mut idle = 0;
         for round in 1..=iterations {
-            let before = (self.mesher.clone(), self.count);
+            let before = self.mesher.clone();
             let mut settled = self.round();
             let crossing = self.mesher.rim.crossing();
             if !crossing.is_empty() {
-                (self.mesher, self.count) = before;
+                self.mesher = before;
                 self.mesher.rim.freeze(&crossing);
                 settled = false;
             }
@@ -158,7 +156,7 @@ impl<'a> Rounds<'a> {
         let flipped = self.mesher.flip_all();
         let mut kept = 0;
         if moved < QUIET {
-            kept = self.mesher.reconnect(&mut self.count, &mut self.tried, &mut self.marks);
+            kept = self.mesher.reconnect();
         }
         self.mesher.set_off();
         moved < SETTLED && flipped + kept == 0
