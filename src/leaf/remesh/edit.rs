@@ -157,11 +157,14 @@ mod tests {
         assert_eq!(fan.iter().map(|f| (f.1, f.2)).collect::<Vec<_>>(), vec![(7, 1), (1, 6), (6, 5)]);
     }
 
+    /// A change, and whether it was made.
+    type Edit = fn(&mut Web) -> bool;
+
     #[test]
     fn every_change_is_sound_and_can_be_undone() {
         let mut web = wheel();
         let before = (shape(&web), web.beside.clone(), web.points.clone());
-        let changes: [(usize, fn(&mut Web) -> bool); 7] = [
+        let changes: [(usize, Edit); 7] = [
             (7, |web| {
                 web.flip(0, 2);
                 true

@@ -90,11 +90,6 @@ impl Web {
         self.points[v as usize]
     }
 
-    /// Places of all vertices, removed ones included.
-    pub fn points(&self) -> &[DVec2] {
-        &self.points
-    }
-
     /// All triangles, with the number of each.
     pub fn triangles(&self) -> impl Iterator<Item = (u32, [u32; 3])> + '_ {
         let live = |(t, corners): (usize, &[u32; 3])| (corners[0] != NONE).then_some((t as u32, *corners));
