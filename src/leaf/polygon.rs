@@ -101,16 +101,6 @@ pub fn crossings(loops: &[Vec<DVec2>]) -> Vec<[(usize, usize); 2]> {
     found
 }
 
-/// The closed line's points no farther apart than `spacing`, its corners included.
-pub fn densified(points: &[DVec2], spacing: f64) -> Vec<DVec2> {
-    let mut dense = Vec::new();
-    for (a, b) in sides(points) {
-        let count = ((b - a).norm() / spacing).ceil().max(1.0) as usize;
-        dense.extend((0..count).map(|i| a + (b - a) * (i as f64 / count as f64)));
-    }
-    dense
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -127,7 +117,6 @@ mod tests {
         assert!(contains(&square, DVec2::new(1.0, 1.5)) && !contains(&square, DVec2::new(2.5, 1.0)));
         assert_eq!(distance(&square, DVec2::new(3.0, 3.0)), 2f64.sqrt());
         assert_eq!(crossing(&square), None);
-        assert_eq!(densified(&square, 0.5).len(), 16);
     }
 
     #[test]
@@ -138,6 +127,8 @@ mod tests {
         let mut touching = square();
         touching.insert(3, DVec2::new(1.0, 0.0));
         assert_eq!(crossing(&touching), Some((0, 2)));
+        let shifted: Vec<DVec2> = square().iter().map(|p| p + DVec2::new(1.0, 1.0)).collect();
+        assert_eq!(crossings(&[square(), shifted]).len(), 2);
     }
 
     #[test]

@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn a_halved_square_has_known_figures() {
         let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(x, y)| DVec2::new(x, y));
-        let quality = graded(&square, &[0..4], &[[0, 1, 2], [0, 2, 3]]);
+        let quality = graded(&square, std::slice::from_ref(&(0..4)), &[[0, 1, 2], [0, 2, 3]]);
         assert!((quality.min_angle - std::f64::consts::FRAC_PI_4).abs() < 1e-12);
         assert!((quality.edge_ratio - 2f64.sqrt()).abs() < 1e-12);
         // Four edges of 1 and one of sqrt 2: their variance is 4/25 (sqrt 2 - 1)^2.

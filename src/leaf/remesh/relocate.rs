@@ -6,7 +6,9 @@
 
 use crate::base::vector::DVec2;
 use crate::leaf::remesh::energy::{Energy, Slope};
+use crate::leaf::remesh::reconnect::Count;
 use crate::leaf::remesh::rim::Rim;
+use crate::leaf::remesh::trial::Marks;
 use crate::leaf::remesh::web::Web;
 
 /// A vertex rests when it moves by less than this share of the spacing.
@@ -32,8 +34,14 @@ pub struct Mesher<'a> {
     pub energy: Energy,
     /// Aim of the edges' length.
     pub spacing: f64,
-    /// Vertices that may have something to gain.
+    /// How many vertices there may be.
+    pub count: Count,
+    /// Vertices that may have something to gain by a move.
     pub awake: Vec<bool>,
+    /// Vertices at which every change was tried since something changed there.
+    pub tried: Vec<bool>,
+    /// Scratch.
+    pub marks: Marks,
     /// Scratch.
     fan: Vec<Blade>,
     sides: Vec<(DVec2, DVec2)>,
@@ -41,9 +49,19 @@ pub struct Mesher<'a> {
 
 impl<'a> Mesher<'a> {
     /// A mesh at its start.
-    pub fn new(web: Web, rim: Rim<'a>, energy: Energy, spacing: f64) -> Self {
-        let awake = vec![true; web.places()];
-        Self { web, rim, energy, spacing, awake, fan: Vec::new(), sides: Vec::new() }
+    pub fn new(web: Web, rim: Rim<'a>, spacing: f64, count: Count) -> Self {
+        Self {
+            energy: Energy::of_spacing(spacing),
+            awake: vec![true; web.places()],
+            tried: vec![false; web.places()],
+            marks: Marks::default(),
+            fan: Vec::new(),
+            sides: Vec::new(),
+            web,
+            rim,
+            spacing,
+            count,
+        }
     }
 
     /// Moves every vertex that is awake; the longest move.
@@ -67,11 +85,12 @@ impl<'a> Mesher<'a> {
 
     /// Moves one vertex to where its triangles cost less; how far.
     pub fn moved(&mut self, v: u32) -> f64 {
-        if self.rim.is_fixed(v) {
+        let (holds, slides) = (self.rim.holds(v), self.rim.slides(v));
+        if holds && !slides {
             return 0.0;
         }
         self.look_round(v);
-        if self.rim.holds(v) { self.slide(v) } else { self.step(v) }
+        if slides { self.slide(v) } else { self.step(v) }
     }
 
     fn look_round(&mut self, v: u32) {

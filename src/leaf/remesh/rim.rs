@@ -6,8 +6,6 @@ use crate::leaf::polygon;
 use crate::leaf::remesh::curve::Curve;
 use crate::leaf::remesh::ring;
 
-/// A vertex is set off by at most this share of the spacing.
-const FARTHEST: f64 = 0.2;
 /// How often chords that cross are halved.
 const HALVINGS: u32 = 14;
 
@@ -16,7 +14,7 @@ const NONE: u32 = u32::MAX;
 
 /// How a vertex lies on the outline.
 #[derive(Clone, Copy, Debug)]
-struct Spot {
+pub(super) struct Spot {
     /// Number of its curve, `NONE` for inner vertices.
     owner: u32,
     /// The vertices before and after it on the loop.
@@ -25,21 +23,30 @@ struct Spot {
     arc: f64,
     /// Whether it does not slide: the first of each loop, and corners of the curve.
     is_fixed: bool,
+    /// Whether it and the chords beside it stay as they are.
+    pub(super) is_frozen: bool,
     /// How far it stands off the curve.
-    shift: DVec2,
+    pub(super) shift: DVec2,
     /// How far it tries to slide.
     slide: f64,
 }
 
-const INNER: Spot =
-    Spot { owner: NONE, beside: [NONE; 2], arc: 0.0, is_fixed: false, shift: DVec2::new(0.0, 0.0), slide: 0.0 };
+const INNER: Spot = Spot {
+    owner: NONE,
+    beside: [NONE; 2],
+    arc: 0.0,
+    is_fixed: false,
+    is_frozen: false,
+    shift: DVec2::new(0.0, 0.0),
+    slide: 0.0,
+};
 
 /// How the vertices of a mesh lie on the loops of the outline; like the mesh it can be changed and changed back.
 #[derive(Clone, Debug)]
 pub struct Rim<'a> {
-    curves: &'a [Curve<'a>],
+    pub(super) curves: &'a [Curve<'a>],
     /// By vertex; inner vertices after the last entry.
-    spots: Vec<Spot>,
+    pub(super) spots: Vec<Spot>,
     /// The vertex that starts each loop, at arc length 0 of its curve; it stays.
     firsts: Vec<u32>,
     /// What a trial replaced, and the number of entries before it.
@@ -91,14 +98,31 @@ impl<'a> Rim<'a> {
         self.spots.get(v as usize).is_some_and(|spot| spot.owner != NONE)
     }
 
-    /// Whether a vertex lies on the outline and does not slide.
-    pub fn is_fixed(&self, v: u32) -> bool {
+    /// Whether a vertex lies on the outline, and is the first or a corner.
+    pub(super) fn is_fixed(&self, v: u32) -> bool {
         self.spots.get(v as usize).is_some_and(|spot| spot.is_fixed)
     }
 
     /// Whether a vertex starts a loop.
-    pub fn is_first(&self, v: u32) -> bool {
+    pub(super) fn is_first(&self, v: u32) -> bool {
         self.firsts.contains(&v)
+    }
+
+    /// Whether a vertex slides.
+    pub fn slides(&self, v: u32) -> bool {
+        self.spots.get(v as usize).is_some_and(|spot| spot.owner != NONE && !spot.is_fixed && !spot.is_frozen)
+    }
+
+    /// Whether a vertex may leave its loop.
+    pub fn may_go(&self, v: u32) -> bool {
+        let [before, after] = self.beside(v);
+        let is_least = self.beside(before)[0] == after;
+        !is_least && !self.is_first(v) && ![before, v, after].iter().any(|&v| self.spots[v as usize].is_frozen)
+    }
+
+    /// Whether a vertex may come between `v` and the next.
+    pub fn may_come(&self, v: u32) -> bool {
+        ![v, self.beside(v)[1]].iter().any(|&v| self.spots[v as usize].is_frozen)
     }
 
     /// The curve that a vertex slides on.
@@ -139,6 +163,23 @@ impl<'a> Rim<'a> {
     /// Whether the loops neither cross nor touch.
     pub fn is_simple(&self) -> bool {
         polygon::crossings(&self.points()).is_empty()
+    }
+
+    /// The vertices of chords that touch or cross.
+    pub fn crossing(&self) -> Vec<u32> {
+        let (loops, crossings) = (self.loops(), polygon::crossings(&self.points()));
+        let ends = |(k, i): (usize, usize)| [loops[k][i], loops[k][(i + 1) % loops[k].len()]];
+        crossings.into_iter().flatten().flat_map(ends).collect()
+    }
+
+    /// Keeps vertices, if they are on the rim, and the chords beside them as they are; all vertices if these are already.
+    pub fn freeze(&mut self, vertices: &[u32]) {
+        let thaws = |rim: &Self, v: u32| rim.holds(v) && !rim.spots[v as usize].is_frozen;
+        let mut cold: Vec<u32> = vertices.iter().copied().filter(|&v| thaws(self, v)).collect();
+        if cold.is_empty() {
+            cold = (0..self.spots.len() as u32).collect();
+        }
+        cold.into_iter().for_each(|v| self.spots[v as usize].is_frozen = true);
     }
 
     /// Starts a trial.
@@ -194,55 +235,6 @@ impl<'a> Rim<'a> {
         self.change(before, |spot| spot.beside[1] = after);
         self.change(after, |spot| spot.beside[0] = before);
         self.change(v, |spot| *spot = INNER);
-    }
-
-    /// Sets every vertex off by what the chords beside it cut off, so that area is kept place by place: half of each, all of
-    /// it where the other end is a corner, which stays.
-    pub fn set_off(&mut self, spacing: f64) {
-        let all: Vec<u32> = (0..self.spots.len() as u32).filter(|&v| self.holds(v)).collect();
-        let shifts: Vec<DVec2> = all.iter().map(|&v| self.set_off_by(v, spacing)).collect();
-        all.iter().zip(shifts).for_each(|(&v, shift)| self.spots[v as usize].shift = shift);
-        self.make_up(&all, spacing);
-    }
-
-    /// What the area still misses is made up by all vertices but the corners together.
-    fn make_up(&mut self, all: &[u32], spacing: f64) {
-        let enclosed: f64 = self.points().iter().map(|points| polygon::doubled_area(points) * 0.5).sum();
-        let missing = self.curves.iter().map(Curve::area).sum::<f64>() - enclosed;
-        let across = |&v: &u32| {
-            let [a, c] = self.beside(v).map(|w| self.at(w, self.arc(w)));
-            if self.is_corner(v) { DVec2::zeros() } else { DVec2::new(c.y - a.y, a.x - c.x) }
-        };
-        let across: Vec<DVec2> = all.iter().map(across).collect();
-        let length: f64 = across.iter().map(|a| a.norm() * 0.5).sum();
-        let far = if length > 0.0 { (missing / length).clamp(-FARTHEST * spacing, FARTHEST * spacing) } else { 0.0 };
-        for (&v, across) in all.iter().zip(across) {
-            self.spots[v as usize].shift += across.try_normalize(0.0).unwrap_or_default() * far;
-        }
-    }
-
-    /// Whether a vertex stands on a corner of its curve.
-    fn is_corner(&self, v: u32) -> bool {
-        self.is_fixed(v) && !self.is_first(v)
-    }
-
-    fn set_off_by(&self, v: u32, spacing: f64) -> DVec2 {
-        if self.is_corner(v) {
-            return DVec2::zeros();
-        }
-        let [before, after] = self.beside(v);
-        let cut = |v: u32, next: u32| self.curve(v).cut(self.arc(v), self.arc(next));
-        let share = |other: u32| if self.is_corner(other) { 1.0 } else { 0.5 };
-        let [a, b, c] = [before, v, after].map(|v| self.curve(v).at(self.arc(v)));
-        let across = (c - a).norm().max(((b - a).norm() + (c - b).norm()) * 0.35);
-        let area = 2.0 * (cut(before, v) * share(before) + cut(v, after) * share(after));
-        let far = (area / across).clamp(-FARTHEST * spacing, FARTHEST * spacing);
-        DVec2::new(c.y - a.y, a.x - c.x).try_normalize(0.0).unwrap_or_default() * far
-    }
-
-    /// Leaves a vertex off the curve as it stands.
-    pub fn keep_off(&mut self, v: u32, point: DVec2) {
-        self.spots[v as usize].shift = point - self.curve(v).at(self.arc(v));
     }
 }
 

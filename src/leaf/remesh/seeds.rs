@@ -8,25 +8,44 @@ use crate::leaf::polygon;
 const CLEARANCE: f64 = 0.62;
 /// How often the pitch is changed for the wanted number.
 const TRIALS: u32 = 10;
+/// Where a lattice point lies, in pitches and row heights: the next is taken if the number is off by a share of more than
+/// one in `CLOSE`.
+const ORIGINS: [[f64; 2]; 4] = [[0.0, 0.0], [0.5, 0.0], [0.25, 0.5], [0.75, 0.5]];
+const CLOSE: usize = 50;
 
 /// About `wanted` lattice points inside the loops, one row of the lattice turned by `angle` from +x.
 pub fn lattice(loops: &[Vec<DVec2>], spacing: f64, wanted: usize, angle: f64) -> Vec<DVec2> {
+    if wanted == 0 {
+        return Vec::new();
+    }
     let (sine, cosine) = sincos(angle);
     let turned = |p: &DVec2| DVec2::new(cosine * p.x + sine * p.y, cosine * p.y - sine * p.x);
     let loops: Vec<Vec<DVec2>> = loops.iter().map(|points| points.iter().map(turned).collect()).collect();
-    let mut pitch = spacing;
-    let mut best = rows(&loops, pitch);
+    let miss = |points: &[DVec2]| points.len().abs_diff(wanted);
+    let mut best = pitched(&loops, spacing, wanted, ORIGINS[0]);
+    for origin in &ORIGINS[1..] {
+        if miss(&best) * CLOSE > wanted {
+            let trial = pitched(&loops, spacing, wanted, *origin);
+            best = if miss(&trial) < miss(&best) { trial } else { best };
+        }
+    }
+    best.iter().map(|p| DVec2::new(cosine * p.x - sine * p.y, cosine * p.y + sine * p.x)).collect()
+}
+
+/// The lattice whose pitch gives the number nearest to `wanted`.
+fn pitched(loops: &[Vec<DVec2>], spacing: f64, wanted: usize, origin: [f64; 2]) -> Vec<DVec2> {
+    let miss = |points: &[DVec2]| points.len().abs_diff(wanted);
+    let (mut pitch, mut best) = (spacing, rows(loops, spacing, origin));
     for _ in 0..TRIALS {
-        let miss = |points: &[DVec2]| points.len().abs_diff(wanted);
         let ratio = (best.len() as f64 + 1.0) / (wanted as f64 + 1.0);
-        let trial = rows(&loops, (pitch * ratio.sqrt()).clamp(0.6 * spacing, 1.6 * spacing));
+        let next = (pitch * ratio.sqrt()).clamp(0.6 * spacing, 1.6 * spacing);
+        let trial = rows(loops, next, origin);
         if miss(&trial) >= miss(&best) {
             break;
         }
-        pitch *= ratio.sqrt();
-        best = trial;
+        (pitch, best) = (next, trial);
     }
-    best.iter().map(|p| DVec2::new(cosine * p.x - sine * p.y, cosine * p.y + sine * p.x)).collect()
+    best
 }
 
 /// The direction of rows with which most of the rim's length runs along rows: the mean heading of its sides, where headings
@@ -47,23 +66,24 @@ pub fn heading(loops: &[Vec<DVec2>]) -> f64 {
     if is_round { 0.0 } else { atan2(sum.y, sum.x) / 6.0 }
 }
 
-/// All lattice points inside the loops that are clear of them, row by row; x = 0 is an axis of symmetry.
-fn rows(loops: &[Vec<DVec2>], pitch: f64) -> Vec<DVec2> {
+/// All lattice points inside the loops that are clear of them, row by row; the lattice has a point at `origin`, in pitches and
+/// row heights.
+fn rows(loops: &[Vec<DVec2>], pitch: f64, [right, up]: [f64; 2]) -> Vec<DVec2> {
     let rise = pitch * 0.75f64.sqrt();
     let sides: Vec<(DVec2, DVec2)> = loops.iter().flat_map(|points| polygon::sides(points)).collect();
     let low = sides.iter().map(|side| side.0.y).fold(f64::INFINITY, f64::min);
     let high = sides.iter().map(|side| side.0.y).fold(f64::NEG_INFINITY, f64::max);
-    let first = (low / rise).floor() as i64;
+    let first = (low / rise).floor() as i64 - 1;
     let count = ((high / rise).ceil() as i64 - first + 1).max(0) as usize;
     // For each row, where it passes the rim, and where it is too near to it.
     let (mut passes, mut near) = (vec![Vec::new(); count], vec![Vec::new(); count]);
     let reach = CLEARANCE * pitch;
     for &(a, b) in &sides {
         let (bottom, top) = (a.y.min(b.y) - reach, a.y.max(b.y) + reach);
-        let from = (((bottom / rise).floor() as i64 - first).max(0) as usize).min(count);
+        let from = (((bottom / rise).floor() as i64 - 1 - first).max(0) as usize).min(count);
         let to = (((top / rise).ceil() as i64 - first).max(-1) + 1) as usize;
         for row in from..to.min(count) {
-            let y = (first + row as i64) as f64 * rise;
+            let y = ((first + row as i64) as f64 + up) * rise;
             if (a.y > y) != (b.y > y) {
                 passes[row].push(a.x + (b.x - a.x) * (y - a.y) / (b.y - a.y));
             }
@@ -75,12 +95,12 @@ fn rows(loops: &[Vec<DVec2>], pitch: f64) -> Vec<DVec2> {
         passes[row].sort_by(f64::total_cmp);
         near[row].sort_by(|a, b| a.0.total_cmp(&b.0));
         let number = first + row as i64;
-        let shift = if number.rem_euclid(2) == 1 { 0.5 } else { 0.0 };
+        let shift = right + if number.rem_euclid(2) == 1 { 0.5 } else { 0.0 };
         for pair in passes[row].chunks_exact(2) {
             let columns = (pair[0] / pitch - shift).ceil() as i64..=(pair[1] / pitch - shift).floor() as i64;
             let places = columns.map(|column| (column as f64 + shift) * pitch);
             let is_clear = |x: &f64| !near[row].iter().any(|&(start, end)| *x > start && *x < end);
-            points.extend(places.filter(is_clear).map(|x| DVec2::new(x, number as f64 * rise)));
+            points.extend(places.filter(is_clear).map(|x| DVec2::new(x, (number as f64 + up) * rise)));
         }
     }
     points
@@ -122,7 +142,7 @@ mod tests {
         let notched = [(0.0, 0.0), (4.0, 0.2), (4.0, 3.0), (2.0, 0.7), (0.3, 3.0)].map(|(x, y)| DVec2::new(x, y));
         let hole = [(0.8, 0.5), (0.8, 0.9), (1.2, 0.9), (1.2, 0.5)].map(|(x, y)| DVec2::new(x, y));
         let pitch = 0.17;
-        let found = rows(&[notched.to_vec(), hole.to_vec()], pitch);
+        let found = rows(&[notched.to_vec(), hole.to_vec()], pitch, [0.0, 0.0]);
         let mut wanted = Vec::new();
         for row in -2..30i32 {
             for column in -2..40i32 {

@@ -4,7 +4,8 @@ use crate::base::maths::atan2;
 use crate::base::vector::DVec2;
 use crate::leaf::LeafError;
 use crate::leaf::polygon;
-use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
+use spade::handles::{DirectedEdgeHandle, FixedFaceHandle, PossiblyOuterTag};
+use spade::{CdtEdge, ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
 use std::ops::Range;
 
 /// A point that remembers its number.
@@ -67,8 +68,9 @@ pub fn triangulated(points: &[DVec2], loops: &[Range<usize>]) -> Result<Topology
         |_| {},
     )
     .map_err(|fault| LeafError::Mesh { what: fault.to_string() })?;
-    let numbers = web.inner_faces().map(|face| face.vertices().map(|v| v.data().number));
-    let topology = Topology::of(numbers.filter(|&t| is_inside(points, loops, t)));
+    let inside = inside(&web);
+    let faces = web.inner_faces().filter(|face| inside[face.index()]);
+    let topology = Topology::of(faces.map(|face| face.vertices().map(|v| v.data().number)));
     let doubled: f64 = topology.triangles.iter().map(|t| t.map(|v| points[v as usize])).map(doubled_area).sum();
     let enclosed: f64 = loops.iter().map(|range| polygon::doubled_area(&points[range.clone()])).sum();
     if (doubled - enclosed).abs() > 1e-6 * enclosed {
@@ -92,12 +94,20 @@ fn turned([a, b, c]: [u32; 3]) -> [u32; 3] {
     }
 }
 
-/// A triangle with an inner vertex is inside; one of rim vertices alone is if its centre is.
-fn is_inside(points: &[DVec2], loops: &[Range<usize>], triangle: [u32; 3]) -> bool {
-    let rim = loops.last().map_or(0, |range| range.end);
-    let centre = triangle.iter().map(|&v| points[v as usize]).sum::<DVec2>() / 3.0;
-    let round = |range: &&Range<usize>| polygon::contains(&points[(*range).clone()], centre);
-    triangle.iter().any(|&v| v as usize >= rim) || loops.iter().filter(round).count() % 2 == 1
+/// Which faces lie inside the loops, by number: those that an odd number of loops separates from the outer face.
+fn inside(web: &ConstrainedDelaunayTriangulation<Site>) -> Vec<bool> {
+    let mut parity: Vec<Option<bool>> = vec![None; web.num_all_faces()];
+    let mut reached: Vec<(FixedFaceHandle<PossiblyOuterTag>, bool)> =
+        web.convex_hull().map(|edge| edge.rev()).map(|edge| (edge.face().fix(), edge.is_constraint_edge())).collect();
+    while let Some((face, is_inside)) = reached.pop() {
+        let Some(inner) = web.face(face).as_inner().filter(|_| parity[face.index()].is_none()) else { continue };
+        parity[face.index()] = Some(is_inside);
+        let beyond = |edge: &DirectedEdgeHandle<_, _, CdtEdge<_>, _>| {
+            (edge.rev().face().fix(), is_inside != edge.is_constraint_edge())
+        };
+        reached.extend(inner.adjacent_edges().iter().map(beyond));
+    }
+    parity.into_iter().map(|is_inside| is_inside == Some(true)).collect()
 }
 
 #[cfg(test)]
@@ -111,7 +121,7 @@ mod tests {
     #[test]
     fn a_notch_stays_empty() {
         let notched = points(&[(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (2.0, 0.5), (0.0, 3.0)]);
-        let topology = triangulated(&notched, &[0..5]).unwrap();
+        let topology = triangulated(&notched, std::slice::from_ref(&(0..5))).unwrap();
         let doubled: f64 = topology.triangles.iter().map(|t| t.map(|v| notched[v as usize])).map(doubled_area).sum();
         assert!((doubled - polygon::doubled_area(&notched)).abs() < 1e-14);
         assert_eq!(topology.triangles.len(), 3);
@@ -129,6 +139,6 @@ mod tests {
     #[test]
     fn what_is_not_simple_is_refused() {
         let bow_tie = points(&[(0.0, 0.0), (2.0, 2.0), (2.0, 0.0), (0.0, 3.0)]);
-        assert!(matches!(triangulated(&bow_tie, &[0..4]), Err(LeafError::Mesh { .. })));
+        assert!(matches!(triangulated(&bow_tie, std::slice::from_ref(&(0..4))), Err(LeafError::Mesh { .. })));
     }
 }
