@@ -58,3 +58,6 @@ pub fn found(outline: &[DVec2], venation: Venation, scan: Option<(&Picture, &Tra
         None => (grown(outline, venation), Source::Outline),
     }
 }
+
+#[cfg(test)]
+mod tests;
