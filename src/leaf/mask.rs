@@ -17,6 +17,7 @@ mod geodesic;
 
 use crate::base::blade::Vein;
 use crate::base::flat_mesh::FlatMesh;
+use crate::base::maths::smooth_step;
 use crate::base::picture::Picture;
 use crate::base::vector::DVec2;
 use crate::leaf::field::blurred;
@@ -29,14 +30,19 @@ pub const SIDE: usize = 512;
 /// The blade's greys go on beyond its margin for this many pixels, so that nothing else is read at the mesh's rim.
 const SPILL: usize = 8;
 
+/// Least reach of a main vein's white, in edges of the mesh.
+const NO_SLIP: f64 = 0.33;
+/// Share of `vein_ends` within which veins have no white at all, so that the very rim is free.
+const STILL_MARGIN: f32 = 0.2;
+
 settings! {
     /// How the mask is derived when none is painted. The first five are weights in the curl, which is 0 where the blade stays
     /// and 1 where it moves most.
     pub struct Mask {
         /// Curl of the whole blade between its veins.
-        lamina: f64 = 0.15, range 0.0 => 1.0;
+        lamina: f64 = 0.50, range 0.0 => 1.0;
         /// Curl of the margin; it falls off inwards with the power 1.5 of the height above the deepest place.
-        margin: f64 = 0.60, range 0.0 => 1.0;
+        margin: f64 = 0.40, range 0.0 => 1.0;
         /// Curl of tips: of places where less than half of a disc about them lies in the blade.
         tips: f64 = 0.35, range 0.0 => 1.0;
         /// Curl about the petiole's joint.
@@ -49,11 +55,11 @@ settings! {
         petiole_reach: f64 = 0.15, unit "square roots of the blade's area", range 0.01 => 1.0;
         /// Whiteness of veins: 1 holds them still, 0 ignores them.
         veins: f64 = 1.0, range 0.0 => 1.0;
-        /// How far the white of a main vein reaches, that of secondaries 0.6 of it. On a mesh with longer edges it is half an
-        /// edge, so that no vein slips between vertices.
+        /// How far the white of a main vein reaches, that of secondaries 0.7 of it. It is at least a third of
+        /// the mesh's edges, so that veins do not slip between vertices.
         vein_reach: f64 = 0.02, unit "square roots of the blade's area", range 0.001 => 0.2;
         /// Depth below the margin, as a share of the deepest place, at which veins have their full white: their ends move.
-        vein_ends: f64 = 0.25, range 0.0 => 1.0;
+        vein_ends: f64 = 0.12, range 0.0 => 1.0;
         /// Deviation of the final blur.
         blur: f64 = 0.005, unit "square roots of the blade's area", range 0.0 => 0.1;
     }
@@ -65,7 +71,7 @@ settings! {
 pub fn drawn(mesh: &FlatMesh, outline: &[DVec2], holes: &[&[DVec2]], veins: &[Vein], law: &Mask) -> Picture {
     let layout = Layout::new(mesh, outline);
     let fields = Fields::new(&layout, outline, holes, law);
-    let reach = (law.vein_reach * layout.size).max(0.5 * mean_edge(mesh) * layout.scale);
+    let reach = (law.vein_reach * layout.size).max(NO_SLIP * mean_edge(mesh) * layout.scale);
     let white = fields::whiteness(&layout, veins, reach);
     let raw = |cell: usize| if fields.inside.cells[cell] { grey(law, &fields, white.cells[cell], cell) } else { 0.0 };
     let greys = Grid { width: SIDE, height: SIDE, cells: (0..SIDE * SIDE).map(raw).collect() };
@@ -86,8 +92,9 @@ fn grey(law: &Mask, fields: &Fields, white: f32, cell: usize) -> f32 {
         + law.tips * f64::from(fields.tipness.cells[cell])
         + law.petiole * f64::from(fields.nearness.cells[cell])
         + law.distance * far * far;
-    let full = (f64::from(fields.depth.cells[cell]) / law.vein_ends.max(1e-9)).min(1.0);
-    let vein = law.veins * f64::from(white) * full;
+    let ends = law.vein_ends as f32;
+    let full = smooth_step(STILL_MARGIN * ends, ends.max(1e-6), fields.depth.cells[cell]);
+    let vein = law.veins * f64::from(white * full);
     (255.0 * (1.0 - curl.clamp(0.0, 1.0) * (1.0 - vein))) as f32
 }
 

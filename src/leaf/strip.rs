@@ -45,11 +45,14 @@ fn stations(points: &[(DVec2, f64)]) -> Vec<(DVec2, f64)> {
             stations.push((from.0 + (to.0 - from.0) * t, from.1 + (to.1 - from.1) * t));
         }
     }
-    let end = points.last().copied();
-    if let (Some(end), Some(&(last, width))) = (end, stations.last())
-        && (end.0 - last).norm() > 0.3 * width
-    {
-        stations.push(end);
+    // The last piece reaches to the end: a short one is joined to the one before.
+    if let (Some(&end), Some(&(last, width))) = (points.last(), stations.last()) {
+        if stations.len() > 1 && (end.0 - last).norm() < 0.5 * width {
+            stations.pop();
+        }
+        if stations.last().is_some_and(|station| (station.0 - end.0).norm() > 0.0) {
+            stations.push(end);
+        }
     }
     stations
 }

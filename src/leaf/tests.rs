@@ -152,15 +152,15 @@ fn a_painted_leaf_is_traced() {
 }
 
 #[test]
-fn a_traced_leaf_written_as_an_outline_gives_the_same_mesh() {
+fn a_traced_leaf_written_to_a_file_gives_the_same_blade() {
     let picture = painted();
     let settings = Settings { length: 100.0, ..Settings::default() };
-    let trace = trace(&settings, &picture, &Limits::default()).unwrap();
-    let pictures = Pictures { picture: Some(&picture), ..Pictures::default() };
-    let scanned = model(&settings, pictures, &Limits::default()).unwrap().0;
-    let outlined = modelled(&Settings { outline: Some(trace.outline_millimetres()), ..settings }).0;
-    let apart = scanned.mesh.positions.iter().zip(&outlined.mesh.positions).map(|(a, b)| (a - b).norm());
-    assert!(apart.fold(0.0, f64::max) < 1e-9);
+    let found = traced(&settings, &picture, None, &Limits::default()).unwrap().0;
+    let text = file_text(&found.settings, "painted.png");
+    let file: File = toml::from_str(&text).unwrap();
+    let pictures = Pictures { mask: Some(&found.blade.mask), texture: found.blade.scan.as_ref(), picture: None };
+    let (blade, _) = model(&file.leaf, pictures, &Limits::default()).unwrap();
+    assert_eq!(blade, found.blade);
 }
 
 #[derive(serde::Deserialize)]

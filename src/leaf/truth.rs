@@ -3,7 +3,9 @@
 use crate::base::blade::Blade;
 use crate::base::figures::Figures;
 use crate::base::picture::Picture;
-use crate::leaf::{Trace, veins};
+use crate::base::vector::DVec2;
+use crate::leaf::Trace;
+use crate::leaf::veins::score::{agreement, distance_correlation};
 use serde::Deserialize;
 
 /// How far a vein may lie beside a hand-traced one and still be it, share of the square root of the blade's area.
@@ -50,8 +52,15 @@ impl Truth {
             return figures;
         }
         let [width, height] = trace.picture_size().map(|size| size as u32);
+        let size = (width, height);
         let tolerance = VEIN_TOLERANCE * (trace.area() as f64).sqrt();
-        let veins = veins::score::agreement(&blade.veins, &trace.pose, &self.veins, (width, height), tolerance);
-        figures.with("vein_f1", veins.f1()).with("vein_precision", veins.precision).with("vein_recall", veins.recall)
+        let veins = agreement(&blade.veins, &trace.pose, &self.veins, size, tolerance);
+        let outline: Vec<DVec2> = self.blade.iter().map(|&p| DVec2::from(p)).collect();
+        let correlation = distance_correlation(&blade.veins, &trace.pose, &self.veins, &outline, size);
+        figures
+            .with("vein_f1", veins.f1())
+            .with("vein_precision", veins.precision)
+            .with("vein_recall", veins.recall)
+            .with("vein_distance_correlation", correlation)
     }
 }

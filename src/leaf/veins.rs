@@ -18,3 +18,6 @@ mod width;
 
 pub use grown::grown;
 pub use scanned::scanned;
+
+#[cfg(test)]
+mod tests;

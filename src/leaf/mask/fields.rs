@@ -11,9 +11,11 @@ use crate::leaf::polygon;
 use crate::leaf::raster::{filled, middle_of};
 
 /// Share of a main vein's reach that a secondary has; veins of the third order are too slender to hold the blade.
-const REACHES: [f64; 2] = [1.0, 0.6];
-/// Beyond this many reaches a vein is not felt (exp(-9) = 0.0001).
-const FELT: f64 = 3.0;
+const REACHES: [f64; 2] = [1.0, 0.7];
+/// Beyond this many reaches a vein is not felt: exp(-5.8) is less than a grey.
+const FELT: f64 = 2.4;
+/// Points of a vein nearer together than this many reaches are left out: the white is too broad to show them.
+const STRIDE: f64 = 0.5;
 /// Tipness and ways are smooth: they are found on cells of two pixels a side.
 const COARSE: usize = 2;
 
@@ -157,23 +159,41 @@ pub fn whiteness(layout: &Layout, veins: &[Vein], reach: f64) -> Grid<f32> {
     let mut nearest = Grid { width: SIDE, height: SIDE, cells: vec![f32::INFINITY; SIDE * SIDE] };
     for vein in veins {
         if let Some(share) = REACHES.get(usize::from(vein.order.max(1)) - 1) {
-            let points: Vec<DVec2> = vein.points.iter().map(|&p| layout.place(p)).collect();
+            let reach = (reach * share).max(1e-6);
+            let points = placed(layout, vein, STRIDE * reach);
             for ends in points.windows(2) {
-                stamp(&mut nearest, ends[0], ends[1], (reach * share).max(1e-6));
+                stamp(&mut nearest, ends[0], ends[1], reach);
             }
         }
     }
     nearest.map(|d| if d.is_finite() { exp(-f64::from(d)) as f32 } else { 0.0 })
 }
 
-/// Lowers the squared distances, in reaches, of the pixels that feel a straight piece of vein.
-fn stamp(nearest: &mut Grid<f32>, a: DVec2, b: DVec2, reach: f64) {
-    let felt = DVec2::repeat(FELT * reach);
+/// A vein's points with half its width there, pixels; without those nearer than a distance to the last one kept, but with
+/// both ends.
+fn placed(layout: &Layout, vein: &Vein, apart: f64) -> Vec<(DVec2, f64)> {
+    let last = vein.points.len().saturating_sub(1);
+    let mut kept: Vec<(DVec2, f64)> = Vec::new();
+    for (i, &p) in vein.points.iter().enumerate() {
+        let place = layout.place(p);
+        if i == last || kept.last().is_none_or(|(before, _)| (place - before).norm() >= apart) {
+            let width = vein.width + (vein.end_width - vein.width) * i as f64 / last.max(1) as f64;
+            kept.push((place, 0.5 * width * layout.scale));
+        }
+    }
+    kept
+}
+
+/// Lowers the squared distances from the vein's edge, in reaches, of the pixels that feel a straight piece of vein.
+fn stamp(nearest: &mut Grid<f32>, (a, half): (DVec2, f64), (b, half_b): (DVec2, f64), reach: f64) {
+    let half = 0.5 * (half + half_b);
+    let felt = DVec2::repeat(FELT * reach + half);
     let (low, high) = (a.inf(&b) - felt, a.sup(&b) + felt);
     let pixel = |x: f64, side: usize| x.clamp(0.0, side as f64) as usize;
     for y in pixel(low.y, nearest.height)..pixel(high.y + 1.0, nearest.height) {
         for x in pixel(low.x, nearest.width)..pixel(high.x + 1.0, nearest.width) {
-            let distance = polygon::segment_distance(DVec2::new(x as f64 + 0.5, y as f64 + 0.5), a, b) / reach;
+            let place = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+            let distance = (polygon::segment_distance(place, a, b) - half).max(0.0) / reach;
             if distance < FELT {
                 let cell = &mut nearest.cells[y * SIDE + x];
                 *cell = cell.min((distance * distance) as f32);

@@ -20,7 +20,7 @@ const SHARE: f64 = 0.08;
 const JOINT: f64 = 0.02;
 /// Below this gain of the whole tree, in sizes of the blade, what was found may as well be blotches: there are no veins to
 /// see. Leaves with plain veins reach 3 to 8, blotched ones with a midrib 1.2 to 2, blotched ones without one 0.5.
-const LEAST_EVIDENCE: f64 = 1.0;
+const LEAST_EVIDENCE: f64 = 0.75;
 /// A blade of which a larger share is of exactly even colour is drawn or a silhouette: scans have 0.02 to 0.11, drawn
 /// leaves 0.6 to 1.
 const MOST_EVEN: f64 = 0.45;

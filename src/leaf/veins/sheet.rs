@@ -9,7 +9,7 @@ use crate::leaf::trace::Trace;
 use rayon::prelude::*;
 
 /// Cells along the square root of the blade's area; a smaller picture is taken as it is.
-const RESOLUTION: f64 = 480.0;
+const RESOLUTION: f64 = 400.0;
 /// Empty cells round the blade.
 const RIM: f64 = 3.0;
 /// The outermost colours, mixed with the background's, are not looked at: share of the size, and cells at least.
@@ -94,25 +94,30 @@ impl Frame {
     /// Share of a cell in the blade; mean encoded colour of the blade's pixels; share of those that show the blade's own colour.
     fn sample(&self, picture: &Picture, trace: &Trace, cell: usize) -> (f32, [f32; 3], f32) {
         let corner = self.origin + DVec2::new((cell % self.width) as f64, (cell / self.width) as f64) * self.step;
+        // Pixels count by the share of them that lies in the cell.
+        let overlap = |from: f64, i: u32| (from + self.step).min(f64::from(i) + 1.0) - from.max(f64::from(i));
         let range = |from: f64, size: u32| {
-            let clamp = |x: f64| x.round().clamp(0.0, f64::from(size)) as u32;
-            clamp(from)..clamp(from + self.step)
+            let clamp = |x: f64| x.clamp(0.0, f64::from(size)) as u32;
+            clamp(from.floor())..clamp((from + self.step).ceil())
         };
-        let (mut blade, mut shown, mut count) = (0u32, 0u32, 0u32);
-        let mut sums = [0u32; 3];
+        let (mut blade, mut shown, mut count) = (0.0f32, 0.0f32, 0.0f32);
+        let mut sums = [0.0f32; 3];
         for y in range(corner.y, picture.height) {
             for x in range(corner.x, picture.width) {
-                count += 1;
-                blade += u32::from(trace.blade.at(x as usize, y as usize));
-                shown += u32::from(trace.shown.at(x as usize, y as usize));
+                let weight = (overlap(corner.x, x) * overlap(corner.y, y)) as f32;
+                count += weight;
+                if trace.shown.at(x as usize, y as usize) {
+                    shown += weight;
+                }
                 if trace.blade.at(x as usize, y as usize) {
                     let pixel = picture.at(x, y);
-                    sums = [0, 1, 2].map(|c| sums[c] + u32::from(pixel[c]));
+                    blade += weight;
+                    sums = [0, 1, 2].map(|c| sums[c] + weight * f32::from(pixel[c]));
                 }
             }
         }
-        let share = |part: u32| part as f32 / count.max(1) as f32;
-        (share(blade), sums.map(|s| s as f32 / blade.max(1) as f32), share(shown))
+        let share = |part: f32| part / count.max(1e-6);
+        (share(blade), sums.map(|s| s / blade.max(1e-6)), share(shown))
     }
 }
 
