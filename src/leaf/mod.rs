@@ -49,6 +49,16 @@ use thiserror::Error;
 pub use trace::{Pose, Trace};
 pub use truth::Truth;
 
+/// The steps of the stage one by one: for benches and studies.
+pub mod steps {
+    pub use super::contour::outlined;
+    pub use super::key_points::{chosen, spline};
+    pub use super::remesh::{Remesh, evened};
+    pub use super::segmentation::{Segment, segmented};
+    pub use super::spline::Spline;
+    pub use super::veins::scanned;
+}
+
 choice! {
     /// How the main veins of a blade are laid out.
     pub enum Venation {
@@ -185,8 +195,10 @@ impl LeafError {
 /// Everything wrong with well-typed settings. A clockwise outline is no fault.
 #[must_use]
 pub fn check(settings: &Settings) -> Vec<Complaint> {
-    let outline = settings.outline.as_deref().filter(|_| settings.picture.is_none());
-    outline.map(|points| outline::complaints(points, settings.corner.to_radians())).unwrap_or_default()
+    let Some(points) = settings.outline.as_deref().filter(|_| settings.picture.is_none()) else { return Vec::new() };
+    let corner = settings.corner.to_radians();
+    let complaints = outline::complaints(points, corner);
+    if complaints.is_empty() { outline::complaints_of_holes(points, &settings.holes, corner) } else { complaints }
 }
 
 /// Traces a scan without meshing it.
@@ -195,7 +207,8 @@ pub fn check(settings: &Settings) -> Vec<Complaint> {
 /// [`LeafError`] when there is no leaf in the picture, or a limit refuses its size.
 pub fn trace(settings: &Settings, picture: &Picture, limits: &Limits) -> Result<Trace, LeafError> {
     limits.allow(Limit::PicturePixels, "leaf.picture", f64::from(picture.width) * f64::from(picture.height))?;
-    trace::traced(picture, settings.length * 1e-3, settings.tolerance_px, settings.corner.to_radians())
+    let joint = settings.joint.map(DVec2::from);
+    trace::traced(picture, (settings.length * 1e-3, joint), settings.tolerance_px, settings.corner.to_radians())
 }
 
 /// Traces a scan and makes the blade, with everything that is worth a file. A truth adds its figures.
@@ -297,7 +310,11 @@ fn blade(settings: &Settings, pictures: Pictures, trace: Option<&Trace>) -> Resu
     }
     let mut shape = Shape::of(settings)?;
     let outlines: Vec<Vec<DVec2>> = shape.loops.iter().map(|spline| dense(spline, settings.length * 1e-3)).collect();
-    let mesh = remesh::evened(&shape.loops, settings.vertices as usize, settings.iterations)?;
+    let vertices = settings.vertices as usize;
+    let mesh = match settings.meshing {
+        Meshing::Even => remesh::evened(&shape.loops, vertices, settings.iterations)?,
+        Meshing::Delaunay => remesh::bare(&shape.loops, vertices)?,
+    };
     let mut figures = figures(&mesh, &outlines, shape.keys.len(), trace);
     let mut flat = laid_out(&mesh);
     let scanned = pictures.picture.zip(trace);

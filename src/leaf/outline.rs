@@ -12,6 +12,48 @@ const CROSSING_SAMPLES: usize = 8;
 
 /// What is wrong with an outline; nothing if it can be meshed. `corner` is the turning angle of sharp keys, radians.
 pub fn complaints(outline: &[[f64; 2]], corner: f64) -> Vec<Complaint> {
+    let complaints = of_line("outline", outline, corner);
+    let keys = distinct(outline);
+    let is_flat = || keys.iter().map(|p| p.norm()).fold(0.0, f64::max) <= 1e-6 * extent(&keys);
+    if complaints.is_empty() && is_flat() {
+        return vec![Complaint::new("outline", "the outline has no length", "the joint of the petiole is the origin")];
+    }
+    complaints
+}
+
+/// What is wrong with the gaps of an outline that is sound.
+pub fn complaints_of_holes(outline: &[[f64; 2]], holes: &[Vec<[f64; 2]>], corner: f64) -> Vec<Complaint> {
+    let key = |number: usize| format!("holes.{number}");
+    let mut complaints: Vec<Complaint> =
+        holes.iter().enumerate().flat_map(|(number, hole)| of_line(&key(number), hole, corner)).collect();
+    if !complaints.is_empty() {
+        return complaints;
+    }
+    let drawn = |line: &[[f64; 2]]| Spline::through(&distinct(line), corner).polyline(CROSSING_SAMPLES);
+    let rim = drawn(outline);
+    let gaps: Vec<Vec<DVec2>> = holes.iter().map(|hole| drawn(hole)).collect();
+    for (number, gap) in gaps.iter().enumerate() {
+        let is_within = gap.iter().all(|&p| polygon::contains(&rim, p)) && !meets(gap, &rim);
+        if !is_within {
+            let what = "this gap does not lie within the outline";
+            complaints.push(Complaint::new(key(number), what, "let every point of it lie inside the blade"));
+        }
+        let other = gaps[..number].iter().position(|other| meets(gap, other) || polygon::contains(other, gap[0]));
+        if let Some(other) = other {
+            let what = format!("this gap and gap {other} meet");
+            complaints.push(Complaint::new(key(number), what, "make one gap of both, or move them apart"));
+        }
+    }
+    complaints
+}
+
+/// Whether two closed lines touch or cross.
+fn meets(a: &[DVec2], b: &[DVec2]) -> bool {
+    !polygon::crossings(&[a.to_vec(), b.to_vec()]).is_empty()
+}
+
+fn of_line(key: &str, outline: &[[f64; 2]], corner: f64) -> Vec<Complaint> {
+    let complaint = |message: String, help: &str| Complaint::new(key, message, help);
     if let Some(place) = outline.iter().position(|p| !p[0].is_finite() || !p[1].is_finite()) {
         return vec![complaint(format!("point {place} is not finite"), "give two finite millimetres for every point")];
     }
@@ -38,14 +80,7 @@ pub fn complaints(outline: &[[f64; 2]], corner: f64) -> Vec<Complaint> {
     if polygon::doubled_area(&keys).abs() <= 1e-6 * size * size {
         return vec![complaint("the outline encloses no area".to_owned(), "its points must not lie on one line")];
     }
-    if keys.iter().map(|p| p.norm()).fold(0.0, f64::max) <= 1e-6 * size {
-        return vec![complaint("the outline has no length".to_owned(), "the joint of the petiole is the origin")];
-    }
     Vec::new()
-}
-
-fn complaint(message: String, help: &str) -> Complaint {
-    Complaint::new("outline", message, help)
 }
 
 fn extent(points: &[DVec2]) -> f64 {
@@ -129,6 +164,22 @@ mod tests {
         assert!(message(&[[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]]).contains("crosses itself"));
         assert!(!message(&[[0.0, 0.0], [1.0, 1.0], [2.0, 2.0], [3.0, 3.0]]).is_empty());
         assert_eq!(message(&[[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]), "");
+    }
+
+    #[test]
+    fn gaps_lie_inside_and_apart() {
+        let outline = [[0.0, 0.0], [20.0, 0.0], [20.0, 20.0], [0.0, 20.0]];
+        let square = |x: f64, y: f64, side: f64| vec![[x, y], [x + side, y], [x + side, y + side], [x, y + side]];
+        let told = |holes: &[Vec<[f64; 2]>]| -> Vec<(String, String)> {
+            complaints_of_holes(&outline, holes, 1.1).into_iter().map(|one| (one.key, one.message)).collect()
+        };
+        assert!(told(&[square(3.0, 3.0, 4.0), square(12.0, 3.0, 4.0)]).is_empty());
+        assert!(told(&[square(17.0, 3.0, 6.0)])[0].1.contains("does not lie within the outline"));
+        assert!(told(&[square(40.0, 3.0, 6.0)])[0].1.contains("does not lie within the outline"));
+        let crossing = told(&[square(3.0, 3.0, 8.0), square(9.0, 9.0, 6.0)]);
+        assert_eq!(crossing[0], ("holes.1".to_owned(), "this gap and gap 0 meet".to_owned()));
+        assert!(told(&[square(3.0, 3.0, 12.0), square(6.0, 6.0, 3.0)])[0].1.contains("gap 0 meet"));
+        assert!(told(&[vec![[5.0, 5.0], [6.0, 6.0]]])[0].1.contains("3 distinct"));
     }
 
     #[test]

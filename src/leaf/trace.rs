@@ -125,12 +125,18 @@ fn windings(polygon: &[[f64; 2]], y: f64) -> Vec<(f64, i32)> {
     turns
 }
 
-/// Traces the leaf in a picture; `length` in metres from the joint to the farthest tip, `tolerance` in pixels (a thousandth
+/// Traces the leaf in a picture; `length` in metres from the joint to the farthest key point, the joint in pixels where it is
+/// known, `tolerance` in pixels (a thousandth
 /// of the diagonal of the blade's bounding box, at least 1, without one), `corner` in radians.
 ///
 /// # Errors
 /// [`LeafError::Picture`] when there is no leaf, or its outline cannot be followed.
-pub fn traced(picture: &Picture, length: f64, tolerance: Option<f64>, corner: f64) -> Result<Trace, LeafError> {
+pub fn traced(
+    picture: &Picture,
+    (length, joint): (f64, Option<DVec2>),
+    tolerance: Option<f64>,
+    corner: f64,
+) -> Result<Trace, LeafError> {
     let segment = segmented(picture)?;
     let mut lines = contour::outlined(&segment.blade).into_iter();
     let outline = lines.next().filter(|line| line.len() >= 16);
@@ -145,7 +151,8 @@ pub fn traced(picture: &Picture, length: f64, tolerance: Option<f64>, corner: f6
         hausdorff = hausdorff.max(distance);
         hole_keys.push(keys);
     }
-    let pose = posed(&segment.blade, &outline, segment.joint, length);
+    let mut pose = posed(&segment.blade, &outline, joint.or(segment.joint));
+    pose.scale = length / keys.iter().map(|key| (key - pose.joint).norm()).fold(f64::MIN_POSITIVE, f64::max);
     let Segment { blade, shown, petiole, gaps, filled, others, .. } = segment;
     Ok(Trace { blade, shown, outline, keys, holes, hole_keys, hausdorff, pose, petiole, gaps, filled, others })
 }
@@ -182,7 +189,8 @@ fn keyed(line: &[DVec2], tolerance: f64, corner: f64) -> Result<(Vec<DVec2>, f64
     )))
 }
 
-fn posed(blade: &Grid<bool>, outline: &[DVec2], stalk: Option<DVec2>, length: f64) -> Pose {
+/// Joint and axis of a blade; the scale is left at 1.
+fn posed(blade: &Grid<bool>, outline: &[DVec2], stalk: Option<DVec2>) -> Pose {
     let symmetry = Symmetry::of(blade);
     let centre = symmetry.centre;
     let near = |target: DVec2| {
@@ -197,8 +205,7 @@ fn posed(blade: &Grid<bool>, outline: &[DVec2], stalk: Option<DVec2>, length: f6
     };
     let far = |p: &DVec2| (p - joint).norm();
     let tip = outline.iter().filter(ahead).max_by(|a, b| far(a).total_cmp(&far(b))).copied().unwrap_or(centre);
-    let farthest = outline.iter().map(far).fold(0.0, f64::max);
-    Pose { joint, axis: (tip - joint).try_normalize(0.0).unwrap_or_else(DVec2::y), scale: length / farthest }
+    Pose { joint, axis: (tip - joint).try_normalize(0.0).unwrap_or_else(DVec2::y), scale: 1.0 }
 }
 
 #[cfg(test)]

@@ -59,7 +59,7 @@ fn painted(shares: &[f64], side: u32, colour: [f64; 3], paper: impl Fn(u32, u32)
 }
 
 fn trace_of(picture: &Picture) -> Result<Trace, LeafError> {
-    traced(picture, 0.1, None, 1.1)
+    traced(picture, (0.1, None), None, 1.1)
 }
 
 fn message(picture: &Picture) -> String {
