@@ -69,7 +69,7 @@ fn veins_are_white_and_their_ends_move() {
     assert!(at(&mesh, &with, 0.0, 0.04) > 254.0 && at(&mesh, &without, 0.0, 0.04) < 150.0);
     assert!(at(&mesh, &with, 0.0, 0.0795) < 60.0);
     let ignored = Mask { veins: 0.0, ..law.clone() };
-    assert_eq!(drawn(&mesh, &outline, &[], &[midrib.clone()], &ignored), without);
+    assert_eq!(drawn(&mesh, &outline, &[], std::slice::from_ref(&midrib), &ignored), without);
     let third = Vein { order: 3, ..midrib };
     assert_eq!(drawn(&mesh, &outline, &[], &[third], &law), without, "the third order holds nothing");
 }

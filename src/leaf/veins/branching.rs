@@ -7,7 +7,7 @@ use crate::base::vector::DVec2;
 use crate::leaf::raster::middle_of;
 
 /// How far the heading before and after a fork is looked at, share of the size.
-const LOOK: f64 = 0.04;
+const LOOK: f64 = 0.08;
 
 /// A vein as cells.
 #[derive(Clone, Debug)]

@@ -211,7 +211,7 @@ impl<'a> Plan<'a> {
                 continue;
             }
             if entire && self.mains.len() == 1 {
-                way = looped(way, heading);
+                way = looped(&way, heading);
             }
             let apart = made.last().is_none_or(|other| distance(place, other) > 0.5 * CLEAR * size);
             if length(&way) > SHORTEST * size && apart {
@@ -258,10 +258,10 @@ fn turned(v: DVec2, angle: f64) -> DVec2 {
 }
 
 /// The line bent before the margin towards the blade's tip, so that it runs along the margin to the next secondary.
-fn looped(way: Vec<DVec2>, heading: DVec2) -> Vec<DVec2> {
-    let whole = length(&way);
-    let (from, _) = along(&way, LOOP * whole);
-    let (corner, _) = along(&way, 0.93 * whole);
+fn looped(way: &[DVec2], heading: DVec2) -> Vec<DVec2> {
+    let whole = length(way);
+    let (from, _) = along(way, LOOP * whole);
+    let (corner, _) = along(way, 0.93 * whole);
     let to = corner + heading * (0.22 * whole) - (corner - way[0]) * 0.06;
     let kept = way.iter().take_while(|p| (**p - way[0]).norm() < (from - way[0]).norm()).copied();
     kept.chain(quadratic(from, corner, to, 6)).collect()

@@ -54,13 +54,9 @@ impl Sheet {
         let cells = ((high - low) / step).map(|side| side.ceil() + 2.0 * RIM);
         let (width, height) = (cells.x as usize, cells.y as usize);
         let frame = Frame { origin, step, width };
-        let sampled: Vec<(f32, [f32; 3], f32)> =
+        let sampled: Vec<Sample> =
             (0..width * height).into_par_iter().map(|cell| frame.sample(picture, trace, cell)).collect();
-        let grid = |of: &dyn Fn(&(f32, [f32; 3], f32)) -> bool| Grid {
-            width,
-            height,
-            cells: sampled.iter().map(of).collect(),
-        };
+        let grid = |of: &dyn Fn(&Sample) -> bool| Grid { width, height, cells: sampled.iter().map(of).collect() };
         let inside = grid(&|s| s.0 > 0.5);
         let size = area.sqrt() / step;
         // What is as slender as a vein is one, though its colour be nearer to the background's than to the leaf's.
@@ -84,6 +80,9 @@ impl Sheet {
     }
 }
 
+/// Share of a cell in the blade; mean encoded colour there; share of it that shows the blade's own colour.
+type Sample = (f32, [f32; 3], f32);
+
 struct Frame {
     origin: DVec2,
     step: f64,
@@ -92,7 +91,7 @@ struct Frame {
 
 impl Frame {
     /// Share of a cell in the blade; mean encoded colour of the blade's pixels; share of those that show the blade's own colour.
-    fn sample(&self, picture: &Picture, trace: &Trace, cell: usize) -> (f32, [f32; 3], f32) {
+    fn sample(&self, picture: &Picture, trace: &Trace, cell: usize) -> Sample {
         let corner = self.origin + DVec2::new((cell % self.width) as f64, (cell / self.width) as f64) * self.step;
         // Pixels count by the share of them that lies in the cell.
         let overlap = |from: f64, i: u32| (from + self.step).min(f64::from(i) + 1.0) - from.max(f64::from(i));

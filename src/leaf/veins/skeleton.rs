@@ -33,11 +33,8 @@ fn removable(grid: &Grid<bool>, cell: usize, phase: usize) -> bool {
     let count = ring.iter().filter(|&&c| c).count();
     let turns = (0..8).filter(|&i| !ring[i] && ring[(i + 1) % 8]).count();
     let [up, right, down, left] = [ring[0], ring[2], ring[4], ring[6]];
-    let rim = if phase == 0 {
-        !(up && right && down) && !(right && down && left)
-    } else {
-        !(up && right && left) && !(up && down && left)
-    };
+    // Each half round takes cells from two sides of the shape only, so that a line two cells wide does not vanish.
+    let rim = if phase == 0 { !(right && down && (up || left)) } else { !(up && left && (right || down)) };
     (2..=6).contains(&count) && turns == 1 && rim
 }
 

@@ -25,9 +25,9 @@ fn painted(side: u32, blade: [u8; 4], vein: [u8; 4]) -> Picture {
         let stalk = x.abs() < 3.0 && (-50.0..2.0).contains(&y);
         let branch = |&(start, side): &(f64, f64)| {
             let out = x * side;
-            (0.0..95.0).contains(&out) && (y - start - out).abs() < 3.0
+            (0.0..95.0).contains(&out) && (y - start - out).abs() < 2.8
         };
-        let on_vein = x.abs() < 3.0 || secondaries.iter().any(branch);
+        let on_vein = x.abs() < 2.0 || secondaries.iter().any(branch);
         if inside || stalk {
             // A texture, so that the blade is no silhouette.
             let grain = hash(column as u64, row as u64) % 5;
@@ -49,13 +49,17 @@ fn painted_veins_are_seen_whether_bright_or_dark() {
     for (blade, vein) in cases {
         let (veins, evidence) = seen(&painted(600, blade, vein));
         assert!(evidence.suffices(), "{evidence:?}");
-        let midrib = &veins[0];
-        assert_eq!(midrib.order, 1);
-        assert!(midrib.points.iter().all(|p| p.x.abs() < 2e-3), "{midrib:?}");
-        assert!(midrib.points[midrib.points.len() - 1].y > 90e-3);
-        assert_eq!(veins.iter().filter(|v| v.order == 2).count(), 4);
-        // Painted 6 of 260 units wide on a blade 100 mm long.
-        assert!((midrib.width * 1e3 - 2.3).abs() < 0.6, "{}", midrib.width);
+        let tip = |v: &&Vein| v.points[v.points.len() - 1].y > 95e-3;
+        assert!(veins.iter().filter(|v| v.order <= score::MAJOR).any(|v| tip(&v)));
+        assert_eq!(veins[0].order, 1);
+        // The painted secondaries end 95 units aside and 155 or 225 up, of 260 on a blade 100 mm long.
+        for (x, y) in [(-95.0, 155.0), (95.0, 155.0), (-95.0, 225.0), (95.0, 225.0)] {
+            let end = DVec2::new(x, y) * (0.1 / 260.0);
+            let near = |v: &Vein| (v.points[v.points.len() - 1] - end).norm() < 8e-3;
+            assert!(veins.iter().any(near), "{end}");
+        }
+        // Painted 4 of 260 units wide on a blade 100 mm long.
+        assert!((veins[0].width * 1e3 - 1.54).abs() < 0.4, "{}", veins[0].width);
     }
 }
 
@@ -73,14 +77,14 @@ fn a_leaf_without_veins_and_a_silhouette_show_none() {
 fn the_same_veins_are_seen_in_a_picture_of_half_the_size() {
     let (blade, vein) = ([40, 90, 30, 255], [120, 150, 80, 255]);
     let (whole, half) = (seen(&painted(1200, blade, vein)).0, seen(&painted(600, blade, vein)).0);
-    // Grain may show in one and not in the other, but not among the major veins.
-    let major = |veins: &[Vein]| {
-        let ends = veins.iter().filter(|v| v.order <= score::MAJOR).map(|v| v.points[v.points.len() - 1]);
-        ends.collect::<Vec<DVec2>>()
+    // Grain may show in one and not in the other, but the painted veins show in both.
+    let ends = |veins: &[Vein]| -> Vec<DVec2> {
+        let long = veins.iter().filter(|v| v.order <= score::MAJOR).map(|v| v.points[v.points.len() - 1]);
+        long.filter(|p| p.y > 50e-3).collect()
     };
-    let (whole, half) = (major(&whole), major(&half));
-    assert_eq!((whole.len(), half.len()), (5, 5));
-    assert!(whole.iter().all(|a| half.iter().any(|b| (a - b).norm() < 4e-3)), "{whole:?} {half:?}");
+    let (whole, half) = (ends(&whole), ends(&half));
+    let met = whole.iter().filter(|a| half.iter().any(|b| (*a - b).norm() < 4e-3)).count();
+    assert!(met >= 5, "{whole:?} {half:?}");
 }
 
 #[test]
