@@ -58,7 +58,7 @@ pub fn painted(scan: Scan) -> Picture {
         let shade = 1.0 - 0.1 * x / SIDE;
         let paper = [238.0 * shade, 230.0 * shade, 214.0 * shade];
         let (dx, dy) = (x - centre[0], y - centre[1]);
-        if scan.hole && (dx - 50.0) * (dx - 50.0) / 400.0 + (dy + 40.0) * (dy + 40.0) / 900.0 < 1.0 {
+        if scan.hole && (dx - 14.0) * (dx - 14.0) / 400.0 + (dy + 85.0) * (dy + 85.0) / 900.0 < 1.0 {
             return paper;
         }
         if inside(&line, x, y) {
@@ -70,7 +70,7 @@ pub fn painted(scan: Scan) -> Picture {
             return if vein { [150.0, 175.0, 95.0] } else { [70.0, 120.0, 45.0] };
         }
         let stalk = dx.abs() < 2.5 && dy > 0.0 && dy < 0.62 * LENGTH;
-        let second = scan.second && (x - 560.0) * (x - 560.0) / 900.0 + (y - 80.0) * (y - 80.0) / 2500.0 < 1.0;
+        let second = scan.second && (x - 560.0) * (x - 560.0) / 1600.0 + (y - 90.0) * (y - 90.0) / 3600.0 < 1.0;
         if stalk || second { [110.0, 100.0, 50.0] } else { paper }
     };
     let pixel = |i: u32| {
