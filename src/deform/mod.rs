@@ -1,9 +1,12 @@
 //! The deformation stage: a flat leaf -> one curled shape for each state and variant that a leaf wears.
 //!
-//! [`paper`] keeps the paper's mass-spring system.
+//! Two models: [`shell`] (a sheet that dries, solved for its shape of least energy) and [`paper`] (the mass-spring system of
+//! Tang, Wu and Fan 2013, snapshots of a run).
 
+mod cholesky;
 mod paper;
 mod settings;
+mod shell;
 
 use crate::base::figures::Figures;
 use crate::base::flat_mesh::FlatMesh;
@@ -50,6 +53,27 @@ pub enum DeformError {
         /// The bound asked for.
         limit: f64,
     },
+    /// The shell found no shape of least energy.
+    #[error(
+        "the leaf does not settle at a dryness of {dryness:.4} after {iterations} iterations (residual {residual:.1e})"
+    )]
+    NotSettled {
+        /// Where on the way from flat to dry.
+        dryness: f64,
+        /// Iterations of the last try.
+        iterations: u64,
+        /// Largest force left on a vertex, in bending stiffness over extent.
+        residual: f64,
+    },
+    /// There is nothing to bend.
+    #[error("the leaf has no triangles")]
+    Empty,
+    /// A triangle has no area to speak of.
+    #[error("triangle {triangle} of the leaf is degenerate: it has no area, or a coordinate is not a number")]
+    Degenerate {
+        /// Its number.
+        triangle: usize,
+    },
     /// A limit refused it.
     #[error(transparent)]
     Refused(#[from] Refusal),
@@ -59,6 +83,7 @@ pub enum DeformError {
 #[must_use]
 pub fn check(settings: &Settings) -> Vec<Complaint> {
     match settings.model {
+        Model::Shell => Vec::new(),
         Model::Paper => paper::check(settings),
     }
 }
@@ -75,6 +100,7 @@ pub fn deform(
     limits: &Limits,
 ) -> Result<(Vec<Mesh>, Figures), DeformError> {
     let (shapes, figures) = match settings.model {
+        Model::Shell => shell::shapes(&settings.shell, mesh, jobs, seed, limits)?,
         Model::Paper => paper::shapes(settings, mesh, jobs, seed, limits)?,
     };
     Ok((shapes.iter().map(|positions| shape(mesh, positions)).collect(), figures))

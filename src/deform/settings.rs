@@ -1,6 +1,7 @@
 //! The keys of `[deform]`.
 
 use crate::base::settings::{Described, Kind};
+use crate::deform::shell;
 use crate::{choice, settings};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -8,6 +9,8 @@ use std::collections::BTreeMap;
 choice! {
     /// Which mechanics bends the leaf.
     pub enum Model {
+        /// A sheet that dries, solved for its shape of least energy.
+        Shell = "shell",
         /// The mass-spring system of Tang, Wu and Fan 2013, equations (1) to (3).
         Paper = "paper",
     }
@@ -63,11 +66,13 @@ settings! {
     /// How leaves curl.
     pub struct Settings {
         /// The mechanics.
-        model: Model = Model::Paper;
+        model: Model = Model::Shell;
         /// Different shapes made for each state.
         shapes: u32 = 3, range 1 => 64;
         /// The states' shapes by name; a state without an entry is flat.
         states: BTreeMap<String, StateShape> = BTreeMap::new();
+        /// The model "shell". The keys below it belong to the model "paper".
+        shell: shell::Settings = shell::Settings::default();
         /// Time step of equation (1); "auto" takes 0.7 of the largest stable one, which a fixed one may not exceed.
         step: Step = Step::Automatic(Automatic::Auto), unit "s", range 1e-9 => 1.0;
         /// Time steps to the driest shape; a state's shape is the snapshot at its dryness times these.

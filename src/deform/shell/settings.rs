@@ -1,0 +1,39 @@
+//! The keys of `[deform.shell]`.
+
+use crate::settings;
+
+settings! {
+    /// The drying shell: what a dry leaf would like to be, and what holds it back. Lengths count in extents of the blade (the
+    /// longer side of its bounding box), so that a table suits a leaf of any size and any mesh.
+    pub struct Settings {
+        /// Curvature across the veins that the darkest part of the mask has when quite dry, in turns of a radian for each
+        /// extent: 10 rolls a margin to a radius of a tenth of the blade. Negative curls downwards.
+        curl: f64 = 11.0, range -1000.0 => 1000.0;
+        /// Curvature along the veins, as a share of that across them: 0 rolls, 1 cups.
+        cupping: f64 = 0.25, range -1.0 => 1.0;
+        /// Strain by which the darkest part of the mask shrinks in its plane when quite dry; veins do not.
+        shrink: f64 = 0.06, range 0.0 => 0.5;
+        /// How far drying runs ahead at the margin: with 0 all of the blade dries at once, with 1 its middle starts when the
+        /// margin is half dry.
+        front: f64 = 0.5, range 0.0 => 4.0;
+        /// How much shapes of one state differ in curl, direction and twist: 0 not at all, 1 as leaves of one tree do.
+        variation: f64 = 1.0, range 0.0 => 3.0;
+        /// Share of the shapes that curl the other way.
+        reversed: f64 = 0.2, range 0.0 => 1.0;
+        /// Thickness of the blade in extents: sets how much harder it is to stretch than to bend. Real blades are near 0.003;
+        /// larger ones solve faster and differ little in shape (6 per cent of the deformation at 0.01).
+        thickness: f64 = 0.01, range 1e-4 => 0.5;
+        /// Poisson ratio of bending.
+        poisson_ratio: f64 = 0.33, range 0.0 => 0.49;
+        /// Bending stiffness of a vein along itself, in units of the blade's.
+        vein_stiffness: f64 = 30.0, range 0.0 => 1e4;
+        /// Weight of the blade, pressing towards its lower side: weight of a unit of area times the cube of the extent over the
+        /// bending stiffness. A strip held at one end sinks by an eighth of this for small values.
+        gravity: f64 = 0.0, range -1e4 => 1e4;
+        /// Accuracy: the solver ends when its last step moved no vertex by more than this share of the extent. The error left
+        /// is about the square of it.
+        tolerance: f64 = 1e-3, range 1e-9 => 0.1;
+        /// Most steps of the solver towards one shape before it is refused.
+        iterations: u32 = 200, range 1 => 100000;
+    }
+}
