@@ -1,7 +1,7 @@
 //! Energy of a bent sheet, its gradient and its exact Hessian, in units of the bending stiffness (and the extent).
 
 use super::fold::Fold;
-use super::sheet::{Plate, RIM, Sheet};
+use super::sheet::{Plate, RIM, Sheet, Spring};
 use crate::base::vector::{DMat3, DVec3};
 use crate::deform::cholesky::{Block, Matrix, NOWHERE};
 
@@ -32,6 +32,16 @@ pub fn energy(sheet: &Sheet, rest: &Rest, positions: &[DVec3]) -> f64 {
         sum += rest.weight * positions.iter().zip(&sheet.areas).map(|(p, area)| p.z * area).sum::<f64>();
     }
     sum
+}
+
+/// The stretch of each spring after a move, to first order in the move.
+pub fn stretches(sheet: &Sheet, rest: &Rest, from: &[DVec3], to: &[DVec3]) -> Vec<f64> {
+    let stretch = |(spring, length): (&Spring, &f64)| {
+        let [a, b] = spring.ends.map(|v| v as usize);
+        let side = from[b] - from[a];
+        side.dot(&(to[b] - to[a])) / side.norm() - length
+    };
+    sheet.springs.iter().zip(&rest.lengths).map(stretch).collect()
 }
 
 /// The folds of a sheet with their derivatives, from which gradient and Hessian are made.
@@ -77,14 +87,18 @@ impl<'a> Bent<'a> {
         gradient
     }
 
-    /// Fills the matrix with the exact Hessian.
-    pub fn hessian(&self, places: &Places, matrix: &mut Matrix) {
+    /// Fills the matrix with the Hessian: exact with the springs' own stretches (`None`), else their geometric part is that of
+    /// the given ones.
+    pub fn hessian(&self, places: &Places, matrix: &mut Matrix, stretches: Option<&[f64]>) {
         matrix.clear();
-        for ((spring, length), place) in self.sheet.springs.iter().zip(&self.rest.lengths).zip(&places.springs) {
+        for (number, ((spring, length), place)) in
+            self.sheet.springs.iter().zip(&self.rest.lengths).zip(&places.springs).enumerate()
+        {
             let [a, b] = spring.ends.map(|v| v as usize);
             let side = self.positions[b] - self.positions[a];
             let stretched = side.norm();
-            let (along, ratio) = (side / stretched, length / stretched);
+            let along = side / stretched;
+            let ratio = stretches.map_or(length / stretched, |s| 1.0 - s[number] / stretched);
             let block = DMat3::identity() * (1.0 - ratio) + along * along.transpose() * ratio;
             let [first, second] = spring.ends.map(|v| places.numbers[v as usize]);
             let block = flat(&(block * spring.stiffness));

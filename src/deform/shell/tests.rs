@@ -85,7 +85,7 @@ fn the_gradient_is_the_slope_of_the_energy_and_the_hessian_that_of_the_gradient(
     let places = Places::new(&sheet, numbers.clone(), &matrix);
     let bent = Bent::new(&sheet, &rest, &positions);
     let gradient = bent.gradient();
-    bent.hessian(&places, &mut matrix);
+    bent.hessian(&places, &mut matrix, None);
     let width = 1e-6;
     let mut stream = Stream::new(8, Purpose::Deformation, 0, 0);
     let direction: Vec<DVec3> = (0..positions.len())
