@@ -135,7 +135,7 @@ fn figures(settings: &Settings, shapes: &[Shape], work: Outcome) -> Figures {
         value: worst(|shape| shape.outcome.step),
         unit: "extents of the blade".to_owned(),
         bound: Some(settings.tolerance),
-        how: "largest over all shapes; the error left is about its square".to_owned(),
+        how: "the error of the step before it, largest over all shapes".to_owned(),
     });
     figures
 }

@@ -33,6 +33,8 @@ const GRADE: f64 = 8.0;
 const RELIEF: f64 = 64.0;
 /// Most steps uphill before the solver goes back (the watchdog of Chamberlain and others 1982).
 const ASTRAY: u32 = 3;
+/// A step of no more than this, extents, may be the last but one.
+const NEAR: f64 = 0.02;
 /// Length of the push off a saddle, extents.
 const PUSH: f64 = 3e-3;
 
@@ -151,13 +153,13 @@ impl<'a> Solver<'a> {
         Self { sheet, places, vertices, areas, matrix, factor: Factor::new(plan.symbolic.clone()) }
     }
 
-    /// Moves the positions to a shape of least energy near them.
+    /// Moves the positions, at rest under the load `before`, to a shape of least energy near them.
     ///
     /// # Errors
     /// [`NotReached`] after `most` steps, or when no step lowers the energy; the positions are then of no use.
     pub fn settle(
         &mut self,
-        rest: &Rest,
+        (before, rest): (&Rest, &Rest),
         positions: &mut Vec<DVec3>,
         tolerance: f64,
         most: u32,
@@ -167,7 +169,7 @@ impl<'a> Solver<'a> {
             return Ok(outcome);
         }
         let mut shift = 0.0;
-        let mut trail = Trail::default();
+        let mut trail = Trail { stretches: Some(self.stretches(before, positions, positions)), ..Trail::default() };
         while outcome.iterations < u64::from(most) && outcome.energy.is_finite() {
             let bent = Bent::new(self.sheet, rest, positions);
             let gradient = self.gathered(&bent.gradient());
@@ -177,28 +179,47 @@ impl<'a> Solver<'a> {
             self.factor.solve(&mut step);
             outcome.iterations += 1;
             outcome.step = longest(&step);
-            let still = outcome.step <= tolerance;
-            if still && shift > 0.0 {
+            if shift > 0.0 && outcome.step <= tolerance {
                 self.leave_saddle(&gradient, positions, outcome.saddles);
                 outcome.saddles += 1;
                 outcome.energy = energy(self.sheet, rest, positions);
                 trail = Trail::default();
                 continue;
             }
+            let near = shift == 0.0 && outcome.step <= NEAR.max(tolerance);
             let mark = Mark::new(positions.clone(), step, &gradient, outcome);
             match self.gone(rest, mark, &mut trail, shift > 0.0) {
                 Some((moved, energy)) => (*positions, outcome.energy) = (moved, energy),
                 // At the rounding of the energy no step lowers it any more.
-                None if still => {}
+                None if near => {}
                 None => return Err(NotReached(outcome)),
             }
-            if still {
-                outcome.residual = longest(&self.gathered(&Bent::new(self.sheet, rest, positions).gradient()));
+            if near && self.polished(rest, positions, tolerance, &mut outcome) {
                 return Ok(outcome);
             }
             shift = if shift > FIRST_SHIFT { shift / RELIEF } else { 0.0 };
         }
         Err(NotReached(outcome))
+    }
+
+    /// Takes one more step with the factor at hand if it is no longer than the tolerance: its length is the error that the last
+    /// step left, and it takes most of that away for a fraction of a factorisation. False when it is longer.
+    fn polished(&self, rest: &Rest, positions: &mut Vec<DVec3>, tolerance: f64, outcome: &mut Outcome) -> bool {
+        let gradient = self.gathered(&Bent::new(self.sheet, rest, positions).gradient());
+        let mut step: Vec<[f64; 3]> = gradient.iter().map(|g| g.map(|x| -x)).collect();
+        self.factor.solve(&mut step);
+        let length = longest(&step);
+        if !(length <= tolerance) {
+            return false;
+        }
+        let moved = self.moved(positions, &step, 1.0);
+        let after = energy(self.sheet, rest, &moved);
+        if after <= outcome.energy {
+            (*positions, outcome.energy) = (moved, after);
+        }
+        outcome.step = length;
+        outcome.residual = longest(&self.gathered(&Bent::new(self.sheet, rest, positions).gradient()));
+        true
     }
 
     /// Goes on from a mark: the whole step, even uphill for a while (`careful` forbids it); after too long a while back to the

@@ -77,8 +77,9 @@ impl<'a> Path<'a> {
     /// Moves a shape from one load to another, by halves where it does not settle at once.
     fn advance(&mut self, from: Load, to: Load, positions: &mut Vec<DVec3>, halvings: u32) -> Result<Outcome, Stuck> {
         let start = positions.clone();
-        let rest = self.drying.rest(to.0, to.1);
-        let settled = self.solver.settle(&rest, positions, self.settings.tolerance, self.settings.iterations);
+        let (before, rest) = (self.drying.rest(from.0, from.1), self.drying.rest(to.0, to.1));
+        let settled =
+            self.solver.settle((&before, &rest), positions, self.settings.tolerance, self.settings.iterations);
         let (Ok(outcome) | Err(NotReached(outcome))) = settled;
         self.work.iterations += outcome.iterations;
         self.work.factorisations += outcome.factorisations;

@@ -30,9 +30,9 @@ settings! {
         /// Weight of the blade, pressing towards its lower side: weight of a unit of area times the cube of the extent over the
         /// bending stiffness. A strip held at one end sinks by an eighth of this for small values.
         gravity: f64 = 0.0, range -1e4 => 1e4;
-        /// Accuracy: the solver ends when its last step moved no vertex by more than this share of the extent. The error left
-        /// is about the square of it.
-        tolerance: f64 = 1e-3, range 1e-9 => 0.1;
+        /// Accuracy: the solver ends when its last step moves no vertex by more than this share of the extent. That step is the
+        /// error of the one before it; the error left after it is smaller by one or two orders.
+        tolerance: f64 = 3e-4, range 1e-9 => 0.1;
         /// Most steps of the solver towards one shape before it is refused.
         iterations: u32 = 200, range 1 => 100000;
     }

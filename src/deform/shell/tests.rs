@@ -58,7 +58,7 @@ fn settled(sheet: &Sheet, rests: &[Rest]) -> Vec<DVec3> {
     let mut positions = flat(sheet);
     let mut solver = Solver::new(sheet, &Plan::new(sheet));
     for rest in rests {
-        let outcome = solver.settle(rest, &mut positions, 1e-5, 300);
+        let outcome = solver.settle((rest, rest), &mut positions, 1e-5, 300);
         assert!(outcome.is_ok(), "{outcome:?}");
         println!("{outcome:?}");
     }
