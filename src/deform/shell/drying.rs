@@ -2,14 +2,15 @@
 //! rest curvatures of its triangles, at a dryness from 0 to 1.
 //!
 //! Two layers whose strains differ by e bend a strip of thickness h to the curvature 3 e / (2 h) (Timoshenko 1925, equal
-//! layers); `curl` is that curvature where the mask is darkest. Across the veins it is whole, along them a share of it. Shapes
-//! of one state differ by their gain, their sense, a lean to one side, a twist, and slow waves of strength and direction.
+//! layers); `curl` is that curvature where the mask is darkest. It acts across the nearest veins and, for a share, across the
+//! midrib, which is stiffer than they are and makes a blade roll about itself; along the veins acts another share. Shapes of
+//! one state differ by their gain, their sense, a lean to one side, a twist, and slow waves of strength and direction.
 
 use super::energy::Rest;
 use super::settings::Settings;
 use super::sheet::{Sheet, Tensor};
 use super::tissue::Tissue;
-use crate::base::maths::{sin, sincos};
+use crate::base::maths::{pow, sin, sincos};
 use crate::base::random::{Purpose, Stream};
 use crate::base::vector::DVec2;
 
@@ -18,6 +19,8 @@ use crate::base::vector::DVec2;
 pub struct Irregularity {
     /// Of the curvature; negative curls the other way.
     gain: f64,
+    /// Share of the curl that goes across the midrib.
+    roll: f64,
     /// Change of the curvature per extent.
     lean: DVec2,
     /// Twisting curvature, as a share of the curl.
@@ -35,16 +38,17 @@ impl Irregularity {
         let much = settings.variation;
         let down = stream.uniform() < settings.reversed;
         let gain = (1.0 + much * stream.range(-0.2, 0.2)) * if down { -1.0 } else { 1.0 };
+        let roll = (settings.roll + much * stream.range(-0.4, 0.3)).clamp(0.0, 1.0);
         let lean = DVec2::new(stream.range(-0.7, 0.7), stream.range(-0.4, 0.4)) * much;
         let twist = stream.range(-0.18, 0.18) * much;
         let turn = stream.range(-0.25, 0.25) * much;
         let waves = [0, 1, 2, 3].map(|_| {
             let (sine, cosine) = sincos(stream.range(0.0, std::f64::consts::TAU));
-            let ahead = DVec2::new(cosine, sine) * stream.range(4.0, 9.0);
+            let ahead = DVec2::new(cosine, sine) * stream.range(5.0, 15.0);
             let phase = stream.range(0.0, std::f64::consts::TAU);
-            (ahead, phase, stream.range(0.05, 0.22) * much, stream.range(0.02, 0.12) * much)
+            (ahead, phase, stream.range(0.1, 0.3) * much, stream.range(0.05, 0.2) * much)
         });
-        Self { gain, lean, twist, turn, waves }
+        Self { gain, roll, lean, twist, turn, waves }
     }
 
     /// Factor of the curvature, and turn of its direction (radians), at a place from the blade's middle.
@@ -79,8 +83,11 @@ impl<'a> Drying<'a> {
             let directed = turned(*across, turn);
             let share = settings.cupping;
             let twist = settings.curl * lively * irregularity.twist;
-            let entry = |k: usize, one: f64| strength * (share * one + (1.0 - share) * directed[k]);
-            [entry(0, 1.0), entry(1, 0.0) + twist, entry(2, 1.0)]
+            let mixed = |k: usize, across_midrib: f64, even: f64| {
+                let rolled = irregularity.roll * across_midrib + (1.0 - irregularity.roll) * directed[k];
+                strength * (share * even + (1.0 - share) * rolled)
+            };
+            [mixed(0, 1.0, 1.0), mixed(1, 0.0, 0.0) + twist, mixed(2, 0.0, 1.0)]
         };
         let curvatures = sheet.plates.iter().zip(&tissue.across).map(curvature).collect();
         Self { settings, sheet, tissue, curvatures }
@@ -88,9 +95,9 @@ impl<'a> Drying<'a> {
 
     /// The rest state at a dryness, under a share of the blade's weight.
     pub fn rest(&self, dryness: f64, weight: f64) -> Rest {
-        let front = self.settings.front;
+        // At 0 and at 1 all places agree; between, the deep ones lag.
         let local: Vec<f64> =
-            self.tissue.depth.iter().map(|depth| (dryness * (1.0 + front) - front * depth).clamp(0.0, 1.0)).collect();
+            self.tissue.depth.iter().map(|depth| pow(dryness, 1.0 + self.settings.front * depth)).collect();
         let shrunk = |v: u32| self.settings.shrink * local[v as usize] * self.tissue.liveliness[v as usize];
         let length = |s: &super::sheet::Spring| s.length * (1.0 - 0.5 * (shrunk(s.ends[0]) + shrunk(s.ends[1])));
         let folds = |(number, plate): (usize, &super::sheet::Plate)| {

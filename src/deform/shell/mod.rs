@@ -8,6 +8,7 @@ mod drying;
 mod energy;
 mod fold;
 mod newton;
+mod overlap;
 mod path;
 mod settings;
 mod sheet;
@@ -30,11 +31,19 @@ use tissue::Tissue;
 /// Solvers whose memory is counted: as many as commonly run side by side, and the same on every machine.
 const SIDE_BY_SIDE: usize = 8;
 
+/// Share of its dryness by which a shape that passes through itself is taken back at a time, and how often.
+const HELD_BACK: f64 = 1.0 / 16.0;
+const MOST_HELD_BACK: u32 = 8;
+
 /// A shape with how it was reached.
 struct Shape {
     positions: Vec<DVec3>,
     outcome: Outcome,
     strain: f64,
+    /// Edges that pass through triangles.
+    piercings: u64,
+    /// Steps that it was taken back because of such.
+    held_back: u32,
 }
 
 /// Positions for each job, in the jobs' order, metres.
@@ -94,12 +103,33 @@ fn variant_shapes(
     let mut path = Path::new(settings, sheet, drying, plan).map_err(stuck)?;
     let mut made = Vec::with_capacity(numbers.len());
     for &number in numbers {
-        let dryness = jobs[number].dryness.clamp(0.0, 1.0);
-        let (positions, outcome) = path.at(dryness).map_err(stuck)?;
-        let strain = strain(sheet, &drying.rest(dryness, 1.0).lengths, &positions);
-        made.push((number, Shape { positions, outcome, strain }));
+        let shape = free_shape(sheet, drying, &mut path, jobs[number].dryness.clamp(0.0, 1.0)).map_err(stuck)?;
+        made.push((number, shape));
     }
     Ok((made, path.work))
+}
+
+/// The shape at a dryness. A leaf that touches itself is stopped by that; this one, which feels no touch, is taken back along
+/// its path to where it does not pass through itself yet, if that is not too far.
+fn free_shape(sheet: &Sheet, drying: &Drying, path: &mut Path, dryness: f64) -> Result<Shape, Stuck> {
+    let mut at = |held_back: u32| {
+        let dryness = dryness * (1.0 - HELD_BACK * f64::from(held_back));
+        let (positions, outcome) = path.at(dryness)?;
+        let strain = strain(sheet, &drying.rest(dryness, 1.0).lengths, &positions);
+        let piercings = sheet.piercings(&positions);
+        Ok(Shape { positions, outcome, strain, piercings, held_back })
+    };
+    let dry = at(0)?;
+    if dry.piercings == 0 {
+        return Ok(dry);
+    }
+    for held_back in 1..=MOST_HELD_BACK {
+        let shape = at(held_back)?;
+        if shape.piercings == 0 {
+            return Ok(shape);
+        }
+    }
+    Ok(dry)
 }
 
 /// Largest strain of a spring, stretched or pressed, relative to its rest length.
@@ -129,6 +159,8 @@ fn figures(settings: &Settings, shapes: &[Shape], work: Outcome) -> Figures {
         .with("saddles_left", work.saddles)
         .with("residual", worst(|shape| shape.outcome.residual))
         .with("energy", worst(|shape| shape.outcome.energy))
+        .with("overlapping_shapes", shapes.iter().filter(|shape| shape.piercings > 0).count())
+        .with("held_back_shapes", shapes.iter().filter(|shape| shape.held_back > 0).count())
         .with("max_strain", worst(|shape| shape.strain));
     figures.error = Some(ErrorFigure {
         metric: "length of the solver's last step".to_owned(),

@@ -10,9 +10,10 @@
 //! A plain sum over hinges would have the Poisson ratio -1/3 whatever it was given. A triangle at the rim lacks a fold; it
 //! takes the one of least energy, which says that no moment acts across a free rim.
 
+use super::overlap::piercings;
 use super::settings::Settings;
 use crate::base::flat_mesh::FlatMesh;
-use crate::base::vector::{DMat3, DVec2};
+use crate::base::vector::{DMat3, DVec2, DVec3};
 use crate::deform::DeformError;
 
 /// A symmetric tensor of the plane: xx, xy, yy.
@@ -112,6 +113,13 @@ impl Sheet {
         let mut held = vec![false; places.len()];
         mesh.held.iter().for_each(|&v| held[v as usize] = true);
         Ok(Self { places, areas, springs, hinges: sides.hinges, plates, held })
+    }
+
+    /// How many of its edges pass through its triangles.
+    pub fn piercings(&self, positions: &[DVec3]) -> u64 {
+        let triangles: Vec<[u32; 3]> = self.plates.iter().map(|plate| plate.corners).collect();
+        let edges: Vec<[u32; 2]> = self.springs.iter().map(|spring| spring.ends).collect();
+        piercings(positions, &triangles, &edges)
     }
 
     /// The folds at which a triangle has a curvature.

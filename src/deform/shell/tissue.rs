@@ -4,13 +4,17 @@
 use super::settings::Settings;
 use super::sheet::{Rib, Tensor};
 use crate::base::flat_mesh::FlatMesh;
+use crate::base::maths::pow;
 use crate::base::vector::DVec2;
 
 /// Widths over which the mask and the direction of the veins are smoothed, extents.
 const MASK_WIDTH: f64 = 0.02;
 const DIRECTION_WIDTH: f64 = 0.05;
+const RIB_WIDTH: f64 = 0.025;
 /// Share of a mask's typical slope below which the veins' direction counts as unknown.
 const FAINT: f64 = 0.1;
+/// Power of the mask's darkness that tells how much a place moves: below 1 lifts the dim inner blade, which else stays flat.
+const DARKNESS: f64 = 0.75;
 /// Width of the surroundings than which a vein is brighter, extents.
 const VEIN_WIDTH: f64 = 0.06;
 /// Difference from the surroundings that is no vein yet.
@@ -25,7 +29,7 @@ pub struct Tissue {
     pub extent: f64,
     /// Middle of the bounding box, extents.
     pub middle: DVec2,
-    /// How much each vertex moves, 0 to 1: the root of the mask's darkness.
+    /// How much each vertex moves, 0 to 1: the mask's darkness to the power of `DARKNESS`.
     pub liveliness: Vec<f64>,
     /// Depth of each vertex below the margin, 0 there and 1 where it is deepest.
     pub depth: Vec<f64>,
@@ -40,18 +44,20 @@ impl Tissue {
     pub fn new(settings: &Settings, mesh: &FlatMesh) -> Self {
         let (extent, middle) = bounds(mesh);
         let neighbours = Neighbours::of(mesh, extent);
-        let lively: Vec<f64> = mesh.greys.iter().map(|grey| (1.0 - grey.clamp(0.0, 255.0) / 255.0).sqrt()).collect();
+        let lively: Vec<f64> =
+            mesh.greys.iter().map(|grey| pow(1.0 - grey.clamp(0.0, 255.0) / 255.0, DARKNESS)).collect();
         let liveliness = neighbours.smoothed(lively.clone(), MASK_WIDTH);
         let around = neighbours.smoothed(lively.clone(), VEIN_WIDTH);
         let vein = |(lively, around): (&f64, &f64)| ((around - lively) / (0.5 * around + FAINT_VEIN)).clamp(0.0, 1.0);
         let veins: Vec<f64> = lively.iter().zip(&around).map(vein).collect();
-        let across = across(mesh, &neighbours, &liveliness, extent);
+        let beside = across(mesh, &neighbours, &neighbours.smoothed(veins.clone(), MASK_WIDTH), RIB_WIDTH);
+        let across = across(mesh, &neighbours, &liveliness, DIRECTION_WIDTH);
         let corner_mean = |values: &[f64], t: &[u32; 3]| t.iter().map(|&v| values[v as usize]).sum::<f64>() / 3.0;
         let rib = |(t, a): (&[u32; 3], &Tensor)| Rib {
             stiffness: settings.vein_stiffness * corner_mean(&veins, t),
             along: [1.0 - a[0], -a[1], 1.0 - a[2]],
         };
-        let ribs = mesh.triangles.iter().zip(&across).map(rib).collect();
+        let ribs = mesh.triangles.iter().zip(&beside).map(rib).collect();
         Self { extent, middle: middle / extent, liveliness, depth: depth(mesh), across, ribs }
     }
 }
@@ -67,6 +73,7 @@ fn bounds(mesh: &FlatMesh) -> (f64, DVec2) {
 /// The vertices joined to each by an edge.
 struct Neighbours {
     edges: Vec<[u32; 2]>,
+    extent: f64,
     /// Mean square of the edges' lengths, squares of the extent.
     mean_square: f64,
 }
@@ -76,7 +83,7 @@ impl Neighbours {
         let edges = mesh.edges();
         let square = |e: &[u32; 2]| (mesh.positions[e[0] as usize] - mesh.positions[e[1] as usize]).norm_squared();
         let mean_square = edges.iter().map(square).sum::<f64>() / edges.len().max(1) as f64 / (extent * extent);
-        Self { edges, mean_square }
+        Self { edges, extent, mean_square }
     }
 
     /// Values averaged with their neighbours' until they are blurred by a Gauss bell of this width (extents).
@@ -99,11 +106,11 @@ impl Neighbours {
 }
 
 /// Across the veins the mask changes, along them it does not: the smoothed tensor of its slope, with unit trace.
-fn across(mesh: &FlatMesh, neighbours: &Neighbours, values: &[f64], extent: f64) -> Vec<Tensor> {
+fn across(mesh: &FlatMesh, neighbours: &Neighbours, values: &[f64], width: f64) -> Vec<Tensor> {
     let mut tensors = vec![[0.0; 3]; values.len()];
     let mut counts = vec![0.0; values.len()];
     for &triangle in &mesh.triangles {
-        let slope = slope(mesh, triangle, values) * extent;
+        let slope = slope(mesh, triangle, values) * neighbours.extent;
         for v in triangle {
             let product = [slope.x * slope.x, slope.x * slope.y, slope.y * slope.y];
             tensors[v as usize].iter_mut().zip(product).for_each(|(t, p)| *t += p);
@@ -112,7 +119,7 @@ fn across(mesh: &FlatMesh, neighbours: &Neighbours, values: &[f64], extent: f64)
     }
     let component = |k: usize| {
         let raw = tensors.iter().zip(&counts).map(|(t, count): (&Tensor, &f64)| t[k] / count.max(1.0)).collect();
-        neighbours.smoothed(raw, DIRECTION_WIDTH)
+        neighbours.smoothed(raw, width)
     };
     let [xx, xy, yy] = [0, 1, 2].map(component);
     let typical = xx.iter().zip(&yy).map(|(x, y)| x + y).sum::<f64>() / values.len().max(1) as f64;
