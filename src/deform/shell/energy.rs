@@ -87,18 +87,17 @@ impl<'a> Bent<'a> {
         gradient
     }
 
-    /// Fills the matrix with the Hessian: exact with the springs' own stretches (`None`), else their geometric part is that of
-    /// the given ones.
-    pub fn hessian(&self, places: &Places, matrix: &mut Matrix, stretches: Option<&[f64]>) {
+    /// Fills the matrix with the Hessian. The springs' geometric part is that of the given stretches (with their own it is
+    /// exact). `tamed` leaves out what can make it indefinite: pressed springs' geometric part and the folds' second derivatives.
+    pub fn hessian(&self, places: &Places, matrix: &mut Matrix, stretches: &[f64], tamed: bool) {
         matrix.clear();
-        for (number, ((spring, length), place)) in
-            self.sheet.springs.iter().zip(&self.rest.lengths).zip(&places.springs).enumerate()
-        {
+        for (number, (spring, place)) in self.sheet.springs.iter().zip(&places.springs).enumerate() {
             let [a, b] = spring.ends.map(|v| v as usize);
             let side = self.positions[b] - self.positions[a];
             let stretched = side.norm();
             let along = side / stretched;
-            let ratio = stretches.map_or(length / stretched, |s| 1.0 - s[number] / stretched);
+            let stretch = if tamed { stretches[number].max(0.0) } else { stretches[number] };
+            let ratio = 1.0 - stretch / stretched;
             let block = DMat3::identity() * (1.0 - ratio) + along * along.transpose() * ratio;
             let [first, second] = spring.ends.map(|v| places.numbers[v as usize]);
             let block = flat(&(block * spring.stiffness));
@@ -109,7 +108,7 @@ impl<'a> Bent<'a> {
         for (plate, place) in self.sheet.plates.iter().zip(&places.plates) {
             self.add_plate(plate, place, places, matrix);
         }
-        for (hinge, fold) in self.folds.iter().enumerate() {
+        for (hinge, fold) in self.folds.iter().enumerate().filter(|_| !tamed) {
             self.add_turning(hinge, fold, places, matrix);
         }
     }

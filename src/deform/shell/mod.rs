@@ -4,6 +4,7 @@
 //! and its curvature (the faces shrink unequally). The shape is the one of least energy for that, so it depends on how dry
 //! the leaf is and on nothing else: not on a number of steps, and little on the mesh.
 
+mod alignment;
 mod drying;
 mod energy;
 mod fold;
@@ -114,7 +115,10 @@ fn variant_shapes(
 fn free_shape(sheet: &Sheet, drying: &Drying, path: &mut Path, dryness: f64) -> Result<Shape, Stuck> {
     let mut at = |held_back: u32| {
         let dryness = dryness * (1.0 - HELD_BACK * f64::from(held_back));
-        let (positions, outcome) = path.at(dryness)?;
+        let (mut positions, outcome) = path.at(dryness)?;
+        if dryness > 0.0 && !sheet.held.contains(&true) {
+            alignment::laid_onto(&sheet.places, &mut positions);
+        }
         let strain = strain(sheet, &drying.rest(dryness, 1.0).lengths, &positions);
         let piercings = sheet.piercings(&positions);
         Ok(Shape { positions, outcome, strain, piercings, held_back })

@@ -6,10 +6,9 @@
 //! Leonetti and Garcea 2017), and the energy may rise for a few steps. Measured: 5 steps a state instead of 12. At rest the
 //! two tensions agree, and the convergence is quadratic.
 //!
-//! Where the Hessian is not
-//! positive definite it is shifted by a multiple of the vertices' areas, just enough; where that happens at rest, the shape
-//! is a saddle, and a push along the direction of falling energy leaves it. The last step is always one with the exact
-//! Hessian positive definite: what is handed out is a minimum.
+//! Where that matrix is not positive definite, the step is taken with a tamed one that is; where that happens at rest, the
+//! shape is a saddle, and a push along a soft direction leaves it. The last steps are always with the whole Hessian positive
+//! definite: what is handed out is a minimum.
 
 use super::energy::{Bent, Places, Rest, couplings, energy, stretches};
 use super::sheet::Sheet;
@@ -24,13 +23,11 @@ const FLOOR: f64 = 1e-10;
 const LONGEST: f64 = 0.3;
 /// Least decrease of the energy, as a share of what the gradient promises.
 const DECREASE: f64 = 1e-4;
-/// First shift, in bending stiffness over the fourth power of the extent: below the slowest vibration of a blade.
+/// First shift of a tamed Hessian that is still not definite, in bending stiffness over the fourth power of the extent, the
+/// factor to the next, and the shift beyond which nothing is left of the Hessian.
 const FIRST_SHIFT: f64 = 1.0;
-/// A shift beyond which nothing is left of the Hessian.
+const GRADE: f64 = 10.0;
 const LAST_SHIFT: f64 = 1e16;
-/// Factor from a shift that is too small to the next, and by which it is relieved after a step.
-const GRADE: f64 = 8.0;
-const RELIEF: f64 = 64.0;
 /// Most steps uphill before the solver goes back (the watchdog of Chamberlain and others 1982).
 const ASTRAY: u32 = 3;
 /// A step of no more than this, extents, may be the last but one.
@@ -84,7 +81,7 @@ struct Trail {
     /// Steps gone since.
     astray: u32,
     /// Stretches of the springs as the last step foresaw them.
-    stretches: Option<Vec<f64>>,
+    stretches: Vec<f64>,
 }
 
 /// How a shape was reached.
@@ -168,27 +165,25 @@ impl<'a> Solver<'a> {
         if self.vertices.is_empty() {
             return Ok(outcome);
         }
-        let mut shift = 0.0;
-        let mut trail = Trail { stretches: Some(self.stretches(before, positions, positions)), ..Trail::default() };
+        let mut trail = Trail { stretches: self.stretches(before, positions, positions), ..Trail::default() };
         while outcome.iterations < u64::from(most) && outcome.energy.is_finite() {
             let bent = Bent::new(self.sheet, rest, positions);
             let gradient = self.gathered(&bent.gradient());
-            bent.hessian(&self.places, &mut self.matrix, trail.stretches.as_deref());
-            shift = self.factored(shift, &mut outcome).ok_or(NotReached(outcome))?;
+            let whole = self.factored(&bent, &trail.stretches, &mut outcome).ok_or(NotReached(outcome))?;
             let mut step: Vec<[f64; 3]> = gradient.iter().map(|g| g.map(|x| -x)).collect();
             self.factor.solve(&mut step);
             outcome.iterations += 1;
-            outcome.step = longest(&step);
-            if shift > 0.0 && outcome.step <= tolerance {
+            (outcome.step, outcome.residual) = (longest(&step), longest(&gradient));
+            if !whole && outcome.step <= tolerance {
                 self.leave_saddle(&gradient, positions, outcome.saddles);
                 outcome.saddles += 1;
                 outcome.energy = energy(self.sheet, rest, positions);
-                trail = Trail::default();
+                trail = Trail { stretches: self.stretches(rest, positions, positions), ..Trail::default() };
                 continue;
             }
-            let near = shift == 0.0 && outcome.step <= NEAR.max(tolerance);
+            let near = whole && outcome.step <= NEAR.max(tolerance);
             let mark = Mark::new(positions.clone(), step, &gradient, outcome);
-            match self.gone(rest, mark, &mut trail, shift > 0.0) {
+            match self.gone(rest, mark, &mut trail) {
                 Some((moved, energy)) => (*positions, outcome.energy) = (moved, energy),
                 // At the rounding of the energy no step lowers it any more.
                 None if near => {}
@@ -197,7 +192,6 @@ impl<'a> Solver<'a> {
             if near && self.polished(rest, positions, tolerance, &mut outcome) {
                 return Ok(outcome);
             }
-            shift = if shift > FIRST_SHIFT { shift / RELIEF } else { 0.0 };
         }
         Err(NotReached(outcome))
     }
@@ -222,15 +216,14 @@ impl<'a> Solver<'a> {
         true
     }
 
-    /// Goes on from a mark: the whole step, even uphill for a while (`careful` forbids it); after too long a while back to the
-    /// last good mark, and from there no further than the energy falls.
-    fn gone(&self, rest: &Rest, here: Mark, trail: &mut Trail, careful: bool) -> Option<(Vec<DVec3>, f64)> {
+    /// Goes on from a mark: the whole step, even uphill for a while; after too long a while back to the last good mark, and from there no further than the energy falls.
+    fn gone(&self, rest: &Rest, here: Mark, trail: &mut Trail) -> Option<(Vec<DVec3>, f64)> {
         let share = here.longest_share();
         let moved = self.moved(&here.positions, &here.step, share);
         let after = energy(self.sheet, rest, &moved);
         let lower = trail.mark.as_ref().map_or(here.is_left_by(share, after), |mark| mark.is_left_by(0.0, after));
-        if lower || (!careful && trail.astray < ASTRAY && after.is_finite()) {
-            trail.stretches = Some(self.stretches(rest, &here.positions, &moved));
+        if lower || (trail.astray < ASTRAY && after.is_finite()) {
+            trail.stretches = self.stretches(rest, &here.positions, &moved);
             if lower {
                 (trail.mark, trail.astray) = (None, 0);
             } else {
@@ -241,9 +234,9 @@ impl<'a> Solver<'a> {
         }
         let mark = trail.mark.take().unwrap_or(here);
         trail.astray = 0;
-        let found = self.searched(rest, &mark);
-        trail.stretches = found.as_ref().map(|(moved, _)| self.stretches(rest, &mark.positions, moved));
-        found
+        let (moved, after) = self.searched(rest, &mark)?;
+        trail.stretches = self.stretches(rest, &mark.positions, &moved);
+        Some((moved, after))
     }
 
     /// The springs' stretches after a move, to first order.
@@ -251,25 +244,28 @@ impl<'a> Solver<'a> {
         stretches(self.sheet, rest, from, to)
     }
 
-    /// Factors the Hessian with the least shift, from `shift` up, that makes it definite; gives that shift.
-    fn factored(&mut self, shift: f64, outcome: &mut Outcome) -> Option<f64> {
-        let floor = self.matrix.largest_diagonal() * FLOOR;
+    /// Factors the Hessian: whole if it is positive definite (true), else tamed, and if need be shifted (false).
+    fn factored(&mut self, bent: &Bent, stretches: &[f64], outcome: &mut Outcome) -> Option<bool> {
         let ones = vec![1.0; self.areas.len()];
-        self.matrix.shift(&ones, floor);
-        self.matrix.shift(&self.areas, shift);
-        let mut shift = shift;
-        loop {
+        for tamed in [false, true] {
+            bent.hessian(&self.places, &mut self.matrix, stretches, tamed);
+            let floor = self.matrix.largest_diagonal() * FLOOR;
+            self.matrix.shift(&ones, floor);
             outcome.factorisations += 1;
             if self.factor.compute(&self.matrix).is_ok() {
-                return Some(shift);
+                return Some(!tamed);
             }
-            let next = (shift * GRADE).max(FIRST_SHIFT);
-            if next > LAST_SHIFT {
-                return None;
-            }
-            self.matrix.shift(&self.areas, next - shift);
-            shift = next;
         }
+        let mut shift = FIRST_SHIFT;
+        while shift < LAST_SHIFT {
+            self.matrix.shift(&self.areas, shift);
+            outcome.factorisations += 1;
+            if self.factor.compute(&self.matrix).is_ok() {
+                return Some(false);
+            }
+            shift *= GRADE;
+        }
+        None
     }
 
     /// Goes from a mark along its step, as far as that lowers the energy enough; `None` when it nowhere does.
