@@ -6,7 +6,7 @@
 mod cholesky;
 mod paper;
 mod settings;
-mod shell;
+pub mod shell;
 
 use crate::base::figures::Figures;
 use crate::base::flat_mesh::FlatMesh;
@@ -99,11 +99,33 @@ pub fn deform(
     seed: u64,
     limits: &Limits,
 ) -> Result<(Vec<Mesh>, Figures), DeformError> {
+    sound(mesh)?;
     let (shapes, figures) = match settings.model {
         Model::Shell => shell::shapes(&settings.shell, mesh, jobs, seed, limits)?,
         Model::Paper => paper::shapes(settings, mesh, jobs, seed, limits)?,
     };
     Ok((shapes.iter().map(|positions| shape(mesh, positions)).collect(), figures))
+}
+
+/// Smallest area of a triangle, as a share of the square on its longest edge: thinner ones carry no curvature in double
+/// precision, and their springs no length.
+const THINNEST: f64 = 1e-6;
+
+/// Whether there are triangles, all with an area.
+fn sound(mesh: &FlatMesh) -> Result<(), DeformError> {
+    if mesh.triangles.is_empty() {
+        return Err(DeformError::Empty);
+    }
+    let degenerate = |&triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(|v| mesh.positions[v as usize]);
+        let longest = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
+        // Written so that NaN counts as degenerate.
+        !(mesh.doubled_area(triangle) > 2.0 * THINNEST * longest && longest < f64::INFINITY)
+    };
+    match mesh.triangles.iter().position(degenerate) {
+        Some(triangle) => Err(DeformError::Degenerate { triangle }),
+        None => Ok(()),
+    }
 }
 
 fn shape(flat: &FlatMesh, positions: &[DVec3]) -> Mesh {

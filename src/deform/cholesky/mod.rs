@@ -11,7 +11,9 @@ mod ordering;
 mod symbolic;
 
 pub use matrix::{Block, Matrix, NOWHERE};
-pub use numeric::{Factor, Indefinite};
+pub use numeric::Factor;
+#[cfg(test)]
+use numeric::Indefinite;
 pub use symbolic::Symbolic;
 
 #[cfg(test)]

@@ -3,14 +3,16 @@
 
 use crate::base::vector::{DMat3, DVec2, DVec3};
 
-/// Moves a shape rigidly onto the flat places, in the sense of least squares over the vertices.
-pub fn laid_onto(places: &[DVec2], positions: &mut [DVec3]) {
-    let count = places.len().max(1) as f64;
+/// Moves a shape rigidly onto the flat places, in the sense of least squares over the area, of which each vertex has a part.
+pub fn laid_onto(places: &[DVec2], areas: &[f64], positions: &mut [DVec3]) {
+    let area = areas.iter().sum::<f64>();
     let flat = |p: &DVec2| DVec3::new(p.x, p.y, 0.0);
-    let centre = positions.iter().sum::<DVec3>() / count;
-    let target = places.iter().map(flat).sum::<DVec3>() / count;
-    let covariance: DMat3 =
-        positions.iter().zip(places).map(|(p, q)| (flat(q) - target) * (p - centre).transpose()).sum();
+    let centre = positions.iter().zip(areas).map(|(p, area)| p * *area).sum::<DVec3>() / area;
+    let target = places.iter().zip(areas).map(|(p, area)| flat(p) * *area).sum::<DVec3>() / area;
+    let mut covariance = DMat3::zeros();
+    for ((p, q), area) in positions.iter().zip(places).zip(areas) {
+        covariance += (flat(q) - target) * (p - centre).transpose() * *area;
+    }
     let turn = rotation(&covariance);
     for p in positions {
         *p = turn * (*p - centre) + target;
@@ -42,7 +44,8 @@ mod tests {
         let axis = DVec3::new(1.0, -2.0, 0.7).normalize();
         let moved = |p: &DVec2| rotated(DVec3::new(p.x, p.y, 0.0), axis, 2.1) + DVec3::new(5.0, -1.0, 3.0);
         let mut positions: Vec<DVec3> = places.iter().map(moved).collect();
-        laid_onto(&places, &mut positions);
+        let areas: Vec<f64> = (1..=12u32).map(f64::from).collect();
+        laid_onto(&places, &areas, &mut positions);
         for (p, q) in positions.iter().zip(&places) {
             assert!((p - DVec3::new(q.x, q.y, 0.0)).norm() < 1e-12);
         }

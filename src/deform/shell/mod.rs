@@ -59,7 +59,7 @@ pub fn shapes(
     limits: &Limits,
 ) -> Result<(Vec<Vec<DVec3>>, Figures), DeformError> {
     let tissue = Tissue::new(settings, mesh);
-    let sheet = Sheet::new(settings, mesh, tissue.extent, &tissue.ribs)?;
+    let sheet = Sheet::new(settings, mesh, tissue.extent, &tissue.ribs);
     let plan = Plan::new(&sheet);
     let mut wanted: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for (number, job) in jobs.iter().enumerate() {
@@ -117,7 +117,7 @@ fn free_shape(sheet: &Sheet, drying: &Drying, path: &mut Path, dryness: f64) -> 
         let dryness = dryness * (1.0 - HELD_BACK * f64::from(held_back));
         let (mut positions, outcome) = path.at(dryness)?;
         if dryness > 0.0 && !sheet.held.contains(&true) {
-            alignment::laid_onto(&sheet.places, &mut positions);
+            alignment::laid_onto(&sheet.places, &sheet.areas, &mut positions);
         }
         let strain = strain(sheet, &drying.rest(dryness, 1.0).lengths, &positions);
         let piercings = sheet.piercings(&positions);

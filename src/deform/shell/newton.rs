@@ -32,6 +32,9 @@ const LAST_SHIFT: f64 = 1e16;
 const ASTRAY: u32 = 3;
 /// A step of no more than this, extents, may be the last but one.
 const NEAR: f64 = 0.02;
+/// Share of the energy that is not worth a step: along a motion that costs next to nothing (a round blade that may roll about
+/// any axis) steps may stay long.
+const NEGLIGIBLE: f64 = 1e-9;
 /// Length of the push off a saddle, extents.
 const PUSH: f64 = 3e-3;
 
@@ -166,6 +169,7 @@ impl<'a> Solver<'a> {
             return Ok(outcome);
         }
         let mut trail = Trail { stretches: self.stretches(before, positions, positions), ..Trail::default() };
+        let mut last_saddle = f64::INFINITY;
         while outcome.iterations < u64::from(most) && outcome.energy.is_finite() {
             let bent = Bent::new(self.sheet, rest, positions);
             let gradient = self.gathered(&bent.gradient());
@@ -175,6 +179,10 @@ impl<'a> Solver<'a> {
             outcome.iterations += 1;
             (outcome.step, outcome.residual) = (longest(&step), longest(&gradient));
             if !whole && outcome.step <= tolerance {
+                if last_saddle - outcome.energy <= NEGLIGIBLE * outcome.energy {
+                    return Ok(outcome);
+                }
+                last_saddle = outcome.energy;
                 self.leave_saddle(&gradient, positions, outcome.saddles);
                 outcome.saddles += 1;
                 outcome.energy = energy(self.sheet, rest, positions);
@@ -183,6 +191,9 @@ impl<'a> Solver<'a> {
             }
             let near = whole && outcome.step <= NEAR.max(tolerance);
             let mark = Mark::new(positions.clone(), step, &gradient, outcome);
+            if whole && -mark.slope <= NEGLIGIBLE * outcome.energy * outcome.step.min(1.0) {
+                return Ok(outcome);
+            }
             match self.gone(rest, mark, &mut trail) {
                 Some((moved, energy)) => (*positions, outcome.energy) = (moved, energy),
                 // At the rounding of the energy no step lowers it any more.

@@ -20,8 +20,8 @@ pub struct Path<'a> {
     settings: &'a Settings,
     drying: &'a Drying<'a>,
     solver: Solver<'a>,
-    /// Positions at the rungs reached so far, the flat (but loaded) blade first.
-    rungs: Vec<Vec<DVec3>>,
+    /// Positions at the rungs reached so far and how they were reached, the flat (but loaded) blade first.
+    rungs: Vec<(Vec<DVec3>, Outcome)>,
     /// The work done on all of them.
     pub work: Outcome,
 }
@@ -43,11 +43,12 @@ impl<'a> Path<'a> {
     pub fn new(settings: &'a Settings, sheet: &'a Sheet, drying: &'a Drying<'a>, plan: &Plan) -> Result<Self, Stuck> {
         let flat = sheet.places.iter().map(|p| DVec3::new(p.x, p.y, 0.0)).collect();
         let solver = Solver::new(sheet, plan);
-        let mut path = Self { settings, drying, solver, rungs: vec![flat], work: Outcome::default() };
+        let mut path =
+            Self { settings, drying, solver, rungs: vec![(flat, Outcome::default())], work: Outcome::default() };
         if settings.gravity != 0.0 {
-            let mut start = path.rungs[0].clone();
-            path.advance((0.0, 0.0), (0.0, 1.0), &mut start, HALVINGS)?;
-            path.rungs[0] = start;
+            let mut start = path.rungs[0].0.clone();
+            let outcome = path.advance((0.0, 0.0), (0.0, 1.0), &mut start, HALVINGS)?;
+            path.rungs[0] = (start, outcome);
         }
         Ok(path)
     }
@@ -61,16 +62,14 @@ impl<'a> Path<'a> {
         let below = (dryness * f64::from(RUNGS)).floor().clamp(0.0, f64::from(RUNGS)) as usize;
         while self.rungs.len() <= below {
             let last = self.rungs.len() - 1;
-            let mut positions = self.rungs[last].clone();
-            self.advance((rung(last), 1.0), (rung(last + 1), 1.0), &mut positions, HALVINGS)?;
-            self.rungs.push(positions);
+            let mut positions = self.rungs[last].0.clone();
+            let outcome = self.advance((rung(last), 1.0), (rung(last + 1), 1.0), &mut positions, HALVINGS)?;
+            self.rungs.push((positions, outcome));
         }
-        let mut positions = self.rungs[below].clone();
-        if dryness == 0.0 {
-            return Ok((positions, Outcome::default()));
+        let (mut positions, mut outcome) = self.rungs[below].clone();
+        if dryness > rung(below) {
+            outcome = self.advance((rung(below), 1.0), (dryness, 1.0), &mut positions, HALVINGS)?;
         }
-        // A rung itself is settled once more, so that its outcome is told; it takes one step.
-        let outcome = self.advance((rung(below), 1.0), (dryness, 1.0), &mut positions, HALVINGS)?;
         Ok((positions, outcome))
     }
 

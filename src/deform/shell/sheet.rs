@@ -14,17 +14,12 @@ use super::overlap::piercings;
 use super::settings::Settings;
 use crate::base::flat_mesh::FlatMesh;
 use crate::base::vector::{DMat3, DVec2, DVec3};
-use crate::deform::DeformError;
 
 /// A symmetric tensor of the plane: xx, xy, yy.
 pub type Tensor = [f64; 3];
 
 /// The absent hinge of a rim edge.
 pub const RIM: u32 = u32::MAX;
-
-/// Smallest area of a triangle, as a share of the square on its longest edge: thinner ones carry no curvature in double
-/// precision.
-const THINNEST: f64 = 1e-6;
 
 /// A stretch spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +45,8 @@ pub struct Plate {
     pub across: [u32; 3],
     /// The quadratic form of the folds; rows and columns of absent hinges are nought.
     pub form: DMat3,
+    /// The fold of each hinge for each component of a curvature (see [`Plate::folds`]).
+    folds: [Tensor; 3],
     /// Its edges in the flat blade.
     edges: [DVec2; 3],
     doubled_area: f64,
@@ -82,21 +79,16 @@ pub struct Rib {
 }
 
 impl Sheet {
-    /// The sheet of a mesh whose coordinates are divided by `extent`. `ribs` has one entry for each triangle.
-    ///
-    /// # Errors
-    /// [`DeformError::Degenerate`] for a triangle without area; [`DeformError::Empty`] without triangles.
-    pub fn new(settings: &Settings, mesh: &FlatMesh, extent: f64, ribs: &[Rib]) -> Result<Self, DeformError> {
-        if mesh.triangles.is_empty() {
-            return Err(DeformError::Empty);
-        }
+    /// The sheet of a mesh, all of whose triangles have an area, with coordinates divided by `extent`. `ribs` has one entry for
+    /// each triangle.
+    pub fn new(settings: &Settings, mesh: &FlatMesh, extent: f64, ribs: &[Rib]) -> Self {
         let places: Vec<DVec2> = mesh.positions.iter().map(|p| p / extent).collect();
         let sides = Sides::of(mesh);
         let mut areas = vec![0.0; places.len()];
         let mut around = vec![0.0; sides.springs.len()];
         let mut plates = Vec::with_capacity(mesh.triangles.len());
         for (number, &corners) in mesh.triangles.iter().enumerate() {
-            let plate = Plate::new(number, corners, &places, &sides)?;
+            let plate = Plate::new(number, corners, &places, &sides);
             let third = plate.doubled_area / 6.0;
             corners.iter().for_each(|&v| areas[v as usize] += third);
             sides.edges[number].iter().for_each(|&edge| around[edge as usize] += third);
@@ -112,7 +104,7 @@ impl Sheet {
         let springs = sides.springs.iter().zip(&around).map(spring).collect();
         let mut held = vec![false; places.len()];
         mesh.held.iter().for_each(|&v| held[v as usize] = true);
-        Ok(Self { places, areas, springs, hinges: sides.hinges, plates, held })
+        Self { places, areas, springs, hinges: sides.hinges, plates, held }
     }
 
     /// How many of its edges pass through its triangles.
@@ -176,24 +168,20 @@ impl Sides {
 }
 
 impl Plate {
-    fn new(number: usize, corners: [u32; 3], places: &[DVec2], sides: &Sides) -> Result<Self, DeformError> {
+    fn new(number: usize, corners: [u32; 3], places: &[DVec2], sides: &Sides) -> Self {
         let edges = [0, 1, 2].map(|i| places[corners[(i + 1) % 3] as usize] - places[corners[i] as usize]);
         let doubled_area = edges[0].perp(&edges[1]);
-        let longest = edges.iter().map(DVec2::norm_squared).fold(0.0, f64::max);
-        // Written so that NaN is refused too.
-        if !(doubled_area > 2.0 * THINNEST * longest && longest < f64::INFINITY) {
-            return Err(DeformError::Degenerate { triangle: number });
-        }
         let meetings = sides.meetings[number];
-        Ok(Self {
+        Self {
             corners,
             hinges: meetings.map(|meeting| meeting.0),
             second: meetings.map(|meeting| meeting.1),
             across: meetings.map(|meeting| meeting.2),
             form: DMat3::zeros(),
+            folds: [0, 1, 2].map(|i| fold_of_curvature(corners, i, meetings[i], places)),
             edges,
             doubled_area,
-        })
+        }
     }
 
     /// With the quadratic form of a Poisson ratio and a rib.
@@ -217,19 +205,39 @@ impl Plate {
         self
     }
 
-    /// The folds of a curvature tensor K: f_i = -(u_j' K u_k) l_i / (2 A) with the edge vectors u.
+    /// The folds that its hinges have on a smooth surface of curvature K: those of vertices lifted by x' K x / 2, to first
+    /// order. On uneven triangles they differ from the folds that give S = K in this triangle alone; a sheet that takes the
+    /// smooth shape must be at rest.
     fn folds(&self, k: Tensor) -> [f64; 3] {
-        [0, 1, 2].map(|i| {
-            let (u, v) = (self.edges[(i + 1) % 3], self.edges[(i + 2) % 3]);
-            let product = k[0] * u.x * v.x + k[1] * (u.x * v.y + u.y * v.x) + k[2] * u.y * v.y;
-            -product * self.edges[i].norm() / self.doubled_area
-        })
+        self.folds.map(|of| of[0] * k[0] + of[1] * k[1] + of[2] * k[2])
     }
 
     /// Its middle in the flat blade.
     pub fn middle(&self, places: &[DVec2]) -> DVec2 {
         self.corners.iter().map(|&v| places[v as usize]).sum::<DVec2>() / 3.0
     }
+}
+
+/// The fold at edge `i` of a triangle for each component (xx, xy, yy) of a curvature; nought at the rim.
+fn fold_of_curvature(corners: [u32; 3], i: usize, meeting: (u32, bool, u32), places: &[DVec2]) -> Tensor {
+    if meeting.0 == RIM {
+        return [0.0; 3];
+    }
+    let place = |v: u32| places[v as usize];
+    let [a, b, c] = [0, 1, 2].map(|j| place(corners[(i + j) % 3]));
+    let edge = b - a;
+    // Slope of the fold by the lift of c and of d, and their feet on the edge; the edge's ends take the opposite.
+    let arm =
+        |p: DVec2, sign: f64| (edge.norm() * sign / edge.perp(&(p - a)), edge.dot(&(p - a)) / edge.norm_squared());
+    let d = place(meeting.2);
+    let mut fold = [0.0; 3];
+    for ((lift, foot), p) in [(arm(c, 1.0), c - a), (arm(d, -1.0), d - a)] {
+        let product = |u: DVec2| [0.5 * u.x * u.x, u.x * u.y, 0.5 * u.y * u.y];
+        for ((fold, far), near) in fold.iter_mut().zip(product(p)).zip(product(edge)) {
+            *fold += lift * (far - foot * near);
+        }
+    }
+    fold
 }
 
 /// A quadratic form after one of its variables has taken its best value.

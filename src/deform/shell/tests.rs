@@ -40,7 +40,7 @@ fn rectangle(columns: u32, width: f64) -> FlatMesh {
 }
 
 fn sheet(settings: &Settings, mesh: &FlatMesh) -> Sheet {
-    Sheet::new(settings, mesh, 1.0, &vec![Rib::default(); mesh.triangles.len()]).unwrap()
+    Sheet::new(settings, mesh, 1.0, &vec![Rib::default(); mesh.triangles.len()])
 }
 
 fn bent_to(sheet: &Sheet, curvature: Tensor) -> Rest {
@@ -81,7 +81,7 @@ fn the_gradient_is_the_slope_of_the_energy_and_the_hessian_that_of_the_gradient(
     let mesh = FlatMesh { held: vec![2], ..rectangle(5, 0.5) };
     let settings = Settings { thickness: 0.2, ..Settings::default() };
     let rib = Rib { stiffness: 5.0, along: [0.5, 0.2, 0.4] };
-    let sheet = Sheet::new(&settings, &mesh, 1.0, &vec![rib; mesh.triangles.len()]).unwrap();
+    let sheet = Sheet::new(&settings, &mesh, 1.0, &vec![rib; mesh.triangles.len()]);
     let rest = Rest { weight: 3.0, ..bent_to(&sheet, [1.5, 0.4, -0.7]) };
     let positions = crumpled(&sheet, 0.03);
     let numbers: Vec<u32> =
@@ -196,7 +196,7 @@ fn a_small_even_mismatch_makes_a_sphere() {
 fn a_large_even_mismatch_makes_a_cylinder_of_one_plus_poissons_ratio() {
     for poisson_ratio in [0.0, 1.0 / 3.0] {
         let settings = Settings { thickness: 0.005, poisson_ratio, ..Settings::default() };
-        let sheet = sheet(&settings, &rectangle(24, 1.0));
+        let sheet = sheet(&settings, &rectangle(16, 1.0));
         // A push towards a cylinder about y, which is then taken away.
         let mut rests = vec![bent_to(&sheet, [1.0, 0.0, 0.0])];
         rests.extend([1.0, 2.0, 3.0].map(|k| bent_to(&sheet, [k, 0.0, k])));

@@ -10,7 +10,7 @@ use crate::base::vector::DVec2;
 /// Widths over which the mask and the direction of the veins are smoothed, extents.
 const MASK_WIDTH: f64 = 0.02;
 const DIRECTION_WIDTH: f64 = 0.05;
-const RIB_WIDTH: f64 = 0.025;
+const RIB_WIDTH: f64 = 0.03;
 /// Share of a mask's typical slope below which the veins' direction counts as unknown.
 const FAINT: f64 = 0.1;
 /// Power of the mask's darkness that tells how much a place moves: below 1 lifts the dim inner blade, which else stays flat.
@@ -21,6 +21,8 @@ const VEIN_WIDTH: f64 = 0.06;
 const FAINT_VEIN: f64 = 0.03;
 /// Variance in squares of an edge that one averaging over six neighbours and itself adds along an axis: 6 / 7 / 2.
 const SPREAD: f64 = 3.0 / 7.0;
+/// Most averagings; more are wanted by meshes of over 100,000 vertices only.
+const MOST_PASSES: f64 = 1000.0;
 
 /// The tissue of a blade.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,8 +51,8 @@ impl Tissue {
         let liveliness = neighbours.smoothed(lively.clone(), MASK_WIDTH);
         let around = neighbours.smoothed(lively.clone(), VEIN_WIDTH);
         let vein = |(lively, around): (&f64, &f64)| ((around - lively) / (0.5 * around + FAINT_VEIN)).clamp(0.0, 1.0);
-        let veins: Vec<f64> = lively.iter().zip(&around).map(vein).collect();
-        let beside = across(mesh, &neighbours, &neighbours.smoothed(veins.clone(), MASK_WIDTH), RIB_WIDTH);
+        let veins: Vec<f64> = neighbours.smoothed(liveliness.iter().zip(&around).map(vein).collect(), RIB_WIDTH);
+        let beside = across(mesh, &neighbours, &veins, RIB_WIDTH);
         let across = across(mesh, &neighbours, &liveliness, DIRECTION_WIDTH);
         let corner_mean = |values: &[f64], t: &[u32; 3]| t.iter().map(|&v| values[v as usize]).sum::<f64>() / 3.0;
         let rib = |(t, a): (&[u32; 3], &Tensor)| Rib {
@@ -86,10 +88,11 @@ impl Neighbours {
         Self { edges, extent, mean_square }
     }
 
-    /// Values averaged with their neighbours' until they are blurred by a Gauss bell of this width (extents).
+    /// Values averaged with their neighbours' until they are blurred by a Gauss bell of this width (extents); the last time
+    /// only as far as is wanting.
     fn smoothed(&self, mut values: Vec<f64>, width: f64) -> Vec<f64> {
-        let passes = (width * width / (SPREAD * self.mean_square)).ceil().clamp(1.0, 1000.0) as u32;
-        for _ in 0..passes {
+        let mut wanting = (width * width / (SPREAD * self.mean_square)).min(MOST_PASSES);
+        while wanting > 0.0 {
             let mut sums = values.clone();
             let mut counts = vec![1.0; values.len()];
             for &[a, b] in &self.edges {
@@ -99,7 +102,11 @@ impl Neighbours {
                 counts[a] += 1.0;
                 counts[b] += 1.0;
             }
-            values = sums.iter().zip(&counts).map(|(sum, count)| sum / count).collect();
+            let share = wanting.min(1.0);
+            for ((value, sum), count) in values.iter_mut().zip(sums).zip(counts) {
+                *value += share * (sum / count - *value);
+            }
+            wanting -= 1.0;
         }
         values
     }
