@@ -68,6 +68,11 @@ impl<'a> Bent<'a> {
         Self { sheet, rest, positions, folds, moments }
     }
 
+    /// The springs' own stretches.
+    pub fn stretches(&self) -> Vec<f64> {
+        stretches(self.sheet, self.rest, self.positions, self.positions)
+    }
+
     /// Gradient of the energy.
     pub fn gradient(&self) -> Vec<DVec3> {
         let mut gradient: Vec<DVec3> =

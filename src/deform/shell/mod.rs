@@ -5,6 +5,7 @@
 //! the leaf is and on nothing else: not on a number of steps, and little on the mesh.
 
 mod alignment;
+mod blade;
 mod drying;
 mod energy;
 mod fold;
@@ -20,12 +21,15 @@ use crate::base::flat_mesh::FlatMesh;
 use crate::base::limits::Limits;
 use crate::base::vector::DVec3;
 use crate::deform::{DeformError, Job};
+pub(in crate::deform) use blade::Blade;
 use drying::{Drying, Irregularity};
+pub(in crate::deform) use energy::{Bent, Rest};
+pub(in crate::deform) use fold::Fold;
 use newton::{Outcome, Plan};
 use path::{Path, Stuck};
 use rayon::prelude::*;
 pub use settings::Settings;
-use sheet::Sheet;
+pub(in crate::deform) use sheet::{Plate, RIM, Sheet};
 use std::collections::BTreeMap;
 use tissue::Tissue;
 
@@ -96,15 +100,10 @@ fn variant_shapes(
     plan: &Plan,
     (jobs, numbers): (&[Job], &[usize]),
 ) -> Result<(Vec<(usize, Shape)>, Outcome), DeformError> {
-    let stuck = |Stuck { dryness, outcome }| DeformError::NotSettled {
-        dryness,
-        iterations: outcome.iterations,
-        residual: outcome.residual,
-    };
-    let mut path = Path::new(settings, sheet, drying, plan).map_err(stuck)?;
+    let mut path = Path::new(settings, sheet, drying, plan)?;
     let mut made = Vec::with_capacity(numbers.len());
     for &number in numbers {
-        let shape = free_shape(sheet, drying, &mut path, jobs[number].dryness.clamp(0.0, 1.0)).map_err(stuck)?;
+        let shape = free_shape(sheet, drying, &mut path, jobs[number].dryness.clamp(0.0, 1.0))?;
         made.push((number, shape));
     }
     Ok((made, path.work))

@@ -38,6 +38,9 @@ const NEGLIGIBLE: f64 = 1e-9;
 /// Length of the push off a saddle, extents.
 const PUSH: f64 = 3e-3;
 
+/// Linear systems with a sheet's Hessian.
+pub type Linear<'a> = Solver<'a>;
+
 /// The solver of one sheet.
 pub struct Solver<'a> {
     sheet: &'a Sheet,
@@ -317,6 +320,23 @@ impl<'a> Solver<'a> {
         let mut moved = positions.to_vec();
         self.move_by(&mut moved, step, share);
         moved
+    }
+
+    /// The sheet.
+    pub fn sheet(&self) -> &'a Sheet {
+        self.sheet
+    }
+
+    /// Solves (K + inertia M) d = right with the tamed Hessian and the areas as masses; held vertices get nought.
+    pub fn solve_tamed(&mut self, bent: &Bent, inertia: f64, right: &[DVec3]) -> Option<Vec<DVec3>> {
+        bent.hessian(&self.places, &mut self.matrix, &bent.stretches(), true);
+        let floor = self.matrix.largest_diagonal() * FLOOR;
+        self.matrix.shift(&vec![1.0; self.areas.len()], floor);
+        self.matrix.shift(&self.areas, inertia);
+        self.factor.compute(&self.matrix).ok()?;
+        let mut solution = self.gathered(right);
+        self.factor.solve(&mut solution);
+        Some(self.moved(&vec![DVec3::zeros(); right.len()], &solution, 1.0))
     }
 
     fn move_by(&self, positions: &mut [DVec3], step: &[[f64; 3]], share: f64) {

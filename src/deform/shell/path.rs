@@ -6,6 +6,7 @@ use super::newton::{NotReached, Outcome, Plan, Solver};
 use super::settings::Settings;
 use super::sheet::Sheet;
 use crate::base::vector::DVec3;
+use crate::deform::DeformError;
 
 /// Rungs of the ladder.
 const RUNGS: u32 = 8;
@@ -33,6 +34,12 @@ pub struct Stuck {
     pub dryness: f64,
     /// How far it came.
     pub outcome: Outcome,
+}
+
+impl From<Stuck> for DeformError {
+    fn from(Stuck { dryness, outcome }: Stuck) -> Self {
+        Self::NotSettled { dryness, iterations: outcome.iterations, residual: outcome.residual }
+    }
 }
 
 impl<'a> Path<'a> {
