@@ -108,7 +108,7 @@ impl Matrix {
     }
 
     /// The product with a vector.
-    #[must_use]
+    #[cfg(test)]
     pub fn times(&self, x: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let mut product = vec![[0.0; 3]; x.len()];
         for column in 0..self.size() {

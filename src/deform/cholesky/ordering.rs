@@ -69,7 +69,7 @@ fn dissect(
     if piece.len() <= SMALLEST {
         made.own = piece;
     } else {
-        let [left, right, separator] = parted(graph, places, piece, sides);
+        let [left, right, separator] = parted(graph, places, &piece, sides);
         made.own = separator;
         for half in [left, right] {
             made.children.extend(dissect(graph, places, half, sides, pieces));
@@ -83,11 +83,11 @@ fn dissect(
 }
 
 /// The two halves and the separator of the best cut.
-fn parted(graph: &Graph, places: &[DVec2], piece: Vec<u32>, sides: &mut [u8]) -> [Vec<u32>; 3] {
+fn parted(graph: &Graph, places: &[DVec2], piece: &[u32], sides: &mut [u8]) -> [Vec<u32>; 3] {
     let mut best: Option<[Vec<u32>; 3]> = None;
     for [x, y] in CUTS {
         let along = |v: u32| places[v as usize].dot(&DVec2::new(x, y));
-        let mut sorted = piece.clone();
+        let mut sorted = piece.to_vec();
         sorted.sort_unstable_by(|&a, &b| along(a).total_cmp(&along(b)).then(a.cmp(&b)));
         let (low, high) = sorted.split_at(sorted.len() / 2);
         mark(sides, low, 1);
@@ -101,7 +101,7 @@ fn parted(graph: &Graph, places: &[DVec2], piece: Vec<u32>, sides: &mut [u8]) ->
             }
         }
     }
-    mark(sides, &piece, 0);
+    mark(sides, piece, 0);
     best.unwrap_or_default()
 }
 

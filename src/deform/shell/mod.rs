@@ -89,7 +89,7 @@ pub fn shapes(
     }
     let shapes: Vec<Shape> = shapes.into_iter().flatten().collect();
     let figures = figures(settings, &shapes, work);
-    Ok((shapes.into_iter().map(|shape| in_metres(mesh, &tissue, shape)).collect(), figures))
+    Ok((shapes.iter().map(|shape| in_metres(mesh, &tissue, shape)).collect(), figures))
 }
 
 /// The shapes of one variant, with the numbers of their jobs, and the work they took.
@@ -144,7 +144,7 @@ fn strain(sheet: &Sheet, lengths: &[f64], positions: &[DVec3]) -> f64 {
 }
 
 /// The shape in metres; what did not move keeps its very coordinates.
-fn in_metres(mesh: &FlatMesh, tissue: &Tissue, shape: Shape) -> Vec<DVec3> {
+fn in_metres(mesh: &FlatMesh, tissue: &Tissue, shape: &Shape) -> Vec<DVec3> {
     let place = |(p, flat): (&DVec3, &crate::base::vector::DVec2)| {
         let start = flat / tissue.extent;
         let moved = DVec3::new(p.x - start.x, p.y - start.y, p.z) * tissue.extent;

@@ -217,7 +217,7 @@ impl<'a> Solver<'a> {
         let mut step: Vec<[f64; 3]> = gradient.iter().map(|g| g.map(|x| -x)).collect();
         self.factor.solve(&mut step);
         let length = longest(&step);
-        if !(length <= tolerance) {
+        if length.is_nan() || length > tolerance {
             return false;
         }
         let moved = self.moved(positions, &step, 1.0);

@@ -5,7 +5,7 @@
 //! stiffness Y and Poisson ratio 1/3.
 //!
 //! Bending: the curvature tensor of a triangle is S = sum f_i l_i n_i n_i' / (2 A) over its edges (n_i normal to the edge in
-//! the plane), exact for constant curvature on equilateral triangles; its energy is A D / 2 ((1 - nu) tr (S-K)^2 +
+//! the plane), exact for constant curvature on equilateral triangles; rest folds are those of the smooth surface. Its energy is A D / 2 ((1 - nu) tr (S-K)^2 +
 //! nu (tr (S-K))^2), plus A D rho / 2 (t'(S-K) t)^2 for a vein along t. So E = r' M r / 2 with r = f - f0 and a constant M.
 //! A plain sum over hinges would have the Poisson ratio -1/3 whatever it was given. A triangle at the rim lacks a fold; it
 //! takes the one of least energy, which says that no moment acts across a free rim.

@@ -15,9 +15,9 @@ fn rectangle(columns: u32, width: f64) -> FlatMesh {
     let rows = ((width / (pitch * 0.75f64.sqrt())).round() as u32).max(1);
     let mut mesh = FlatMesh::default();
     // Odd rows are shifted by half a pitch and have their ends cut off, with a vertex at each end.
-    let row_length = |row: u32| if row % 2 == 0 { columns + 1 } else { columns + 2 };
+    let row_length = |row: u32| if row.is_multiple_of(2) { columns + 1 } else { columns + 2 };
     let place = |row: u32, i: u32| {
-        let x = if row % 2 == 0 { f64::from(i) } else { (f64::from(i) - 0.5).clamp(0.0, f64::from(columns)) };
+        let x = if row.is_multiple_of(2) { f64::from(i) } else { (f64::from(i) - 0.5).clamp(0.0, f64::from(columns)) };
         DVec2::new(x * pitch, f64::from(row) / f64::from(rows) * width - 0.5 * width)
     };
     let mut starts = Vec::new();
@@ -27,7 +27,7 @@ fn rectangle(columns: u32, width: f64) -> FlatMesh {
     }
     for row in 0..rows {
         let (low, high) = (starts[row as usize], starts[row as usize + 1]);
-        if row % 2 == 0 {
+        if row.is_multiple_of(2) {
             mesh.triangles.extend((0..=columns).map(|i| [low + i, high + i + 1, high + i]));
             mesh.triangles.extend((0..columns).map(|i| [low + i, low + i + 1, high + i + 1]));
         } else {
