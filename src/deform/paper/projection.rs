@@ -4,7 +4,7 @@
 //! since the impulse acts along the predicted spring. Only stretch is bounded, as in the paper.
 
 use crate::base::vector::DVec3;
-use crate::deform::system::{State, System};
+use crate::deform::paper::system::{State, System};
 
 /// The bound holds to this strain.
 pub const SLACK: f64 = 0.01;

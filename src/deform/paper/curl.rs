@@ -1,4 +1,4 @@
-//! The external force, which the paper does not name. A drying blade contracts more on its upper face than on its lower one,
+//! The field "curl": a drying blade contracts more on its upper face than on its lower one,
 //! least along the veins. Such contraction pushes nothing as a whole: its forces sum to nothing and turn nothing. So the
 //! field is a smooth strength along each vertex's current upper normal (it follows the surface, so that a raised margin is
 //! rolled further in), positive where the mask is dark (margins, lobe tips), negative along the veins, and at rest without
@@ -16,10 +16,6 @@ use crate::base::vector::{DMat3, DVec2, DVec3};
 const SMOOTHING: u32 = 2;
 /// Share of variants that curl down.
 const DOWNWARDS: f64 = 0.2;
-
-/// Strength of the force on each vertex along its normal, N.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Field(Vec<f64>);
 
 /// What tells one variant from another.
 struct Irregularity {
@@ -49,29 +45,16 @@ impl Irregularity {
     }
 }
 
-impl Field {
-    /// The field of a variant, `force` newtons where the leaf curls most.
-    pub fn new(mesh: &FlatMesh, force: f64, seed: u64, variant: u32) -> Self {
-        let irregularity = Irregularity::new(seed, variant);
-        let count = mesh.positions.len() as f64;
-        let middle = mesh.positions.iter().sum::<DVec2>() / count;
-        let size = mesh.area().abs().sqrt().max(1e-300);
-        let curls = smoothed(mesh, mesh.greys.iter().map(|grey| 1.0 - grey / 255.0).collect());
-        let places: Vec<DVec2> = mesh.positions.iter().map(|p| (p - middle) / size).collect();
-        let raw = places.iter().zip(&curls).map(|(&place, &curl)| irregularity.strength(place, curl)).collect();
-        Self(balanced(&places, raw).iter().map(|strength| strength * force).collect())
-    }
-
-    /// A field with these strengths, N.
-    #[cfg(test)]
-    pub fn of(strengths: Vec<f64>) -> Self {
-        Self(strengths)
-    }
-
-    /// The strength on each vertex, N.
-    pub fn strengths(&self) -> &[f64] {
-        &self.0
-    }
+/// Strength of the force on each vertex along its normal for a variant, N: `force` where the leaf curls most.
+pub fn strengths(mesh: &FlatMesh, force: f64, seed: u64, variant: u32) -> Vec<f64> {
+    let irregularity = Irregularity::new(seed, variant);
+    let count = mesh.positions.len() as f64;
+    let middle = mesh.positions.iter().sum::<DVec2>() / count;
+    let size = mesh.area().abs().sqrt().max(1e-300);
+    let curls = smoothed(mesh, mesh.greys.iter().map(|grey| 1.0 - grey / 255.0).collect());
+    let places: Vec<DVec2> = mesh.positions.iter().map(|p| (p - middle) / size).collect();
+    let raw = places.iter().zip(&curls).map(|(&place, &curl)| irregularity.strength(place, curl)).collect();
+    balanced(&places, raw).iter().map(|strength| strength * force).collect()
 }
 
 fn smoothed(mesh: &FlatMesh, mut values: Vec<f64>) -> Vec<f64> {

@@ -1,8 +1,11 @@
 use super::*;
+use crate::base::mesh::Mesh;
 use crate::base::random::{Purpose, Stream};
-use crate::base::vector::{DVec2, Vec2};
-use crate::deform::projection::{SLACK, bound};
-use crate::deform::system::State;
+use crate::base::vector::{DVec2, Vec2, Vec3};
+use crate::deform::deform;
+use crate::deform::paper::projection::{SLACK, bound};
+use crate::deform::paper::system::State;
+use crate::deform::settings::Model;
 
 /// A disc of an equilateral lattice, 60 mm across, light at the rim and heavy along x = 0, held at the bottom.
 fn disc() -> FlatMesh {
@@ -34,6 +37,10 @@ fn disc() -> FlatMesh {
     mesh
 }
 
+fn paper() -> Settings {
+    Settings { model: Model::Paper, ..Settings::default() }
+}
+
 fn jobs(variants: u32, dryness: &[f64]) -> Vec<Job> {
     let job = |variant, &dryness: &f64| Job { state: "brown".to_owned(), variant, dryness };
     (0..variants).flat_map(|variant| dryness.iter().map(move |d| job(variant, d))).collect()
@@ -61,7 +68,7 @@ fn oscillator(frequency: f64) -> System {
 /// Places (relative to rest) and velocities of the oscillator over some steps of unit length.
 fn oscillation(frequency: f64, steps: usize) -> Vec<(f64, f64)> {
     let system = oscillator(frequency);
-    let field = Field::of(vec![0.0; 2]);
+    let field = Force::Normal(vec![0.0; 2]);
     let mut state = system.at_rest();
     state.positions[1].x += 0.01;
     let mut line = vec![(state.positions[1].x - 1.0, 0.0)];
@@ -126,7 +133,7 @@ fn momentum(system: &System, state: &State) -> DVec3 {
 }
 
 fn free() -> System {
-    System::new(&Settings { drag: 0.0, ..Settings::default() }, &FlatMesh { held: Vec::new(), ..disc() })
+    System::new(&Settings { drag: 0.0, ..paper() }, &FlatMesh { held: Vec::new(), ..disc() })
 }
 
 #[test]
@@ -150,7 +157,7 @@ fn springs_and_friction_keep_momentum() {
     let system = free();
     let mut state = kicked(&system);
     let before = momentum(&system, &state);
-    let field = Field::of(vec![0.0; system.rest.len()]);
+    let field = Force::Normal(vec![0.0; system.rest.len()]);
     for _ in 0..50 {
         let forces = system.forces(&state, &field);
         system.accelerate(&mut state, &forces, 1e-5);
@@ -165,7 +172,7 @@ fn equal_forces_move_two_masses_inversely() {
     system.masses = vec![0.5, 5.5];
     system.mobility = vec![2.0, 1.0 / 5.5];
     let mut state = system.at_rest();
-    let forces = system.forces(&state, &Field::of(vec![3.0, 3.0]));
+    let forces = system.forces(&state, &Force::Normal(vec![3.0, 3.0]));
     system.accelerate(&mut state, &forces, 0.25);
     system.displace(&mut state, 0.25);
     let rise = |v: usize| state.positions[v].z;
@@ -175,7 +182,7 @@ fn equal_forces_move_two_masses_inversely() {
 
 #[test]
 fn no_force_gives_the_input_bits() {
-    let (meshes, figures) = deformed(&Settings { force: 0.0, ..Settings::default() }, &jobs(1, &[1.0]));
+    let (meshes, figures) = deformed(&Settings { force: 0.0, ..paper() }, &jobs(1, &[1.0]));
     for (p, flat) in meshes[0].positions.iter().zip(&disc().positions) {
         assert_eq!(
             [p.x.to_bits(), p.y.to_bits(), p.z.to_bits()],
@@ -187,7 +194,7 @@ fn no_force_gives_the_input_bits() {
 
 #[test]
 fn the_bound_holds_under_a_force_that_would_tear_the_leaf() {
-    let settings = Settings { force: 0.2, ..Settings::default() };
+    let settings = Settings { force: 0.2, ..paper() };
     let (meshes, figures) = deformed(&settings, &jobs(2, &[0.5, 1.0]));
     let strain = figures.values["max_strain"].as_f64().unwrap();
     assert!(strain > 0.09 && strain <= settings.strain_limit + SLACK, "{strain}");
@@ -197,7 +204,7 @@ fn the_bound_holds_under_a_force_that_would_tear_the_leaf() {
 
 #[test]
 fn drier_leaves_are_farther_from_flat() {
-    let (meshes, _) = deformed(&Settings::default(), &jobs(1, &[0.0, 0.1, 0.3, 0.6]));
+    let (meshes, _) = deformed(&paper(), &jobs(1, &[0.0, 0.1, 0.3, 0.6]));
     let mesh = disc();
     let rise = |shape: &Mesh| shape.positions.iter().map(|p| f64::from(p.z.abs())).sum::<f64>();
     let rises: Vec<f64> = meshes.iter().map(rise).collect();
@@ -209,10 +216,10 @@ fn drier_leaves_are_farther_from_flat() {
 #[test]
 fn dark_regions_lead_under_an_even_force() {
     // Masses alone: friction ties light vertices to heavy neighbours.
-    let settings = Settings { drag: 0.0, friction: 0.0, ..Settings::default() };
+    let settings = Settings { drag: 0.0, friction: 0.0, ..paper() };
     let mesh = disc();
     let system = System::new(&settings, &mesh);
-    let even = Field::of(vec![1e-3; mesh.positions.len()]);
+    let even = Force::Normal(vec![1e-3; mesh.positions.len()]);
     let shape = run(&system, &even, 1e-4, 0.1, vec![20]).unwrap().snapshots.remove(&20).unwrap();
     let mean = |wanted: &dyn Fn(f64) -> bool| {
         let rises: Vec<f64> = (0..shape.len()).filter(|&v| wanted(mesh.greys[v])).map(|v| shape[v].z).collect();
@@ -238,14 +245,14 @@ fn sharpest(mesh: &Mesh) -> f32 {
 
 #[test]
 fn nothing_folds_over() {
-    let (meshes, _) = deformed(&Settings::default(), &jobs(24, &[1.0]));
+    let (meshes, _) = deformed(&paper(), &jobs(24, &[1.0]));
     let folds: Vec<f32> = meshes.iter().map(sharpest).collect();
     assert!(folds.iter().all(|&fold| fold > 0.0), "a fold of more than 90 degrees: {folds:?}");
 }
 
 #[test]
 fn threads_and_company_do_not_matter() {
-    let settings = Settings::default();
+    let settings = paper();
     let all = jobs(3, &[0.2, 0.5]);
     let pool = |threads: usize| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let one = pool(1).install(|| deformed(&settings, &all));
@@ -258,15 +265,33 @@ fn threads_and_company_do_not_matter() {
 
 #[test]
 fn unstable_steps_and_limits_are_refused() {
-    let settings = Settings { step: Some(5e-4), ..Settings::default() };
+    let settings = Settings { step: Step::Seconds(5e-4), ..paper() };
     assert!(check(&settings).is_empty());
     let refused = deform(&settings, &disc(), &jobs(1, &[1.0]), 1, &Limits::default()).unwrap_err();
     let DeformError::Unstable { safe, .. } = refused else { panic!("{refused:?}") };
-    let stable = Settings { step: Some(safe * 0.99), ..Settings::default() };
+    let stable = Settings { step: Step::Seconds(safe * 0.99), ..paper() };
     assert!(deformed(&stable, &jobs(1, &[1.0])).0[0].check().is_ok());
-    assert_eq!(check(&Settings { step: Some(0.5), ..Settings::default() }).len(), 1);
+    assert_eq!(check(&Settings { step: Step::Seconds(0.5), ..paper() }).len(), 1);
     let mut limits = Limits::default();
     limits.set(Limit::Steps, 500.0);
-    let refused = deform(&Settings::default(), &disc(), &jobs(2, &[1.0]), 1, &limits);
+    let refused = deform(&paper(), &disc(), &jobs(2, &[1.0]), 1, &limits);
     assert!(matches!(refused, Err(DeformError::Refused(_))));
+}
+
+#[test]
+fn a_direction_of_no_length_is_refused() {
+    let settings = Settings { field: Field::Constant, direction: [0.0; 3], ..paper() };
+    assert_eq!(check(&settings)[0].key, "direction");
+}
+
+#[test]
+fn an_even_force_lifts_every_vertex_of_a_free_leaf_by_its_own_mass() {
+    // Without springs that pull, friction or drag: n steps of equation (1) from rest give n (n + 1) / 2 dt^2 F / m.
+    let mesh = FlatMesh { held: Vec::new(), greys: vec![255.0; disc().greys.len()], ..disc() };
+    for field in [Field::Constant, Field::Normal] {
+        let settings = Settings { field, force: 1e-3, drag: 0.0, step: Step::Seconds(1e-5), steps: 8, ..paper() };
+        let (shapes, _) = shapes(&settings, &mesh, &jobs(1, &[1.0]), 1, &Limits::default()).unwrap();
+        let rise = 36.0 * 1e-10 * 1e-3 / (masses::mass(255.0) * 1e-6);
+        assert!(shapes[0].iter().all(|p| (p.z / rise - 1.0).abs() < 1e-9), "{field:?}");
+    }
 }

@@ -2,8 +2,9 @@
 
 use crate::base::flat_mesh::FlatMesh;
 use crate::base::vector::DVec3;
-use crate::deform::field::Field;
-use crate::deform::{Settings, masses};
+use crate::deform::paper::force::Force;
+use crate::deform::paper::masses;
+use crate::deform::settings::Settings;
 
 /// What does not change during a run. SI units.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,12 +60,12 @@ impl System {
         State { positions: self.rest.clone(), velocities: vec![DVec3::zeros(); self.rest.len()] }
     }
 
-    /// The joined forces on every vertex: springs, friction, drag, and the external field along the normals.
-    pub fn forces(&self, state: &State, field: &Field) -> Vec<DVec3> {
-        let normals = self.normals(&state.positions);
-        let external = normals.iter().zip(field.strengths()).map(|(normal, strength)| normal * *strength);
-        let drag = state.velocities.iter().map(|v| v * self.drag);
-        let mut forces: Vec<DVec3> = external.zip(drag).map(|(external, drag)| external - drag).collect();
+    /// The joined forces on every vertex: springs, friction, drag, and the external one.
+    pub fn forces(&self, state: &State, force: &Force) -> Vec<DVec3> {
+        let mut forces = force.on(&state.positions, &self.triangles);
+        for (force, velocity) in forces.iter_mut().zip(&state.velocities) {
+            *force -= velocity * self.drag;
+        }
         for (&[a, b], length) in self.springs.iter().zip(&self.lengths) {
             let (a, b) = (a as usize, b as usize);
             let side = state.positions[b] - state.positions[a];
@@ -98,18 +99,5 @@ impl System {
         };
         let larger = |worst: f64, strain: f64| if strain.is_finite() { worst.max(strain) } else { f64::INFINITY };
         self.springs.iter().zip(&self.lengths).map(strain).fold(0.0, larger)
-    }
-
-    /// Unit normals of the vertices, weighted by the triangles' areas.
-    fn normals(&self, positions: &[DVec3]) -> Vec<DVec3> {
-        let mut sums = vec![DVec3::zeros(); positions.len()];
-        for triangle in &self.triangles {
-            let [a, b, c] = triangle.map(|v| positions[v as usize]);
-            let doubled_area = (b - a).cross(&(c - a));
-            for &v in triangle {
-                sums[v as usize] += doubled_area;
-            }
-        }
-        sums.iter().map(|sum| sum.try_normalize(0.0).unwrap_or_else(DVec3::z)).collect()
     }
 }

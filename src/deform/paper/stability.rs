@@ -3,7 +3,7 @@
 //! of z^2 - (2 - g dt - w^2 dt^2) z + 1 - g dt within the unit circle).
 
 use crate::base::vector::DVec3;
-use crate::deform::system::System;
+use crate::deform::paper::system::System;
 
 const ROUNDS: u32 = 120;
 /// Power iteration approaches from below; the squared frequency is raised by this share.
