@@ -90,7 +90,9 @@ pub fn deform(species: &Species, error: &DeformError) -> Diagnostics {
             ("deform.force", "lower deform.force or raise deform.stiffness")
         }
         DeformError::NotSettled { .. } => ("deform.shell", "lower deform.shell.curl, or raise deform.shell.iterations"),
-        DeformError::Empty | DeformError::Degenerate { .. } => ("leaf.outline", "mend the outline, or change leaf.vertices"),
+        DeformError::Empty | DeformError::Degenerate { .. } => {
+            ("leaf.outline", "mend the outline, or change leaf.vertices")
+        }
         DeformError::Refused(refusal) => return refused(&species.places, "deform.steps", refusal),
     };
     Diagnostic::error(Fault::Scene, error.to_string(), help).at(species.places.of(key)).into()
