@@ -89,6 +89,10 @@ pub fn deform(species: &Species, error: &DeformError) -> Diagnostics {
         DeformError::Diverged { .. } | DeformError::Stretched { .. } => {
             ("deform.force", "lower deform.force or raise deform.stiffness")
         }
+        DeformError::NotSettled { .. } => ("deform.shell", "lower deform.shell.curl, or raise deform.shell.thickness"),
+        DeformError::Empty | DeformError::Degenerate { .. } => {
+            ("leaf", "give the leaf another outline or other vertices")
+        }
         DeformError::Refused(refusal) => return refused(&species.places, "deform.steps", refusal),
     };
     Diagnostic::error(Fault::Scene, error.to_string(), help).at(species.places.of(key)).into()
