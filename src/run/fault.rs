@@ -89,9 +89,9 @@ pub fn deform(species: &Species, error: &DeformError) -> Diagnostics {
         DeformError::Diverged { .. } | DeformError::Stretched { .. } => {
             ("deform.force", "lower deform.force or raise deform.stiffness")
         }
-        DeformError::NotSettled { .. } => ("deform.shell", "lower deform.shell.curl, or raise deform.shell.iterations"),
+        DeformError::NotSettled { .. } => ("deform.shell", "lower deform.shell.curl, or raise deform.shell.thickness"),
         DeformError::Empty | DeformError::Degenerate { .. } => {
-            ("leaf.outline", "mend the outline, or change leaf.vertices")
+            ("leaf", "give the leaf another outline or other vertices")
         }
         DeformError::Refused(refusal) => return refused(&species.places, "deform.steps", refusal),
     };

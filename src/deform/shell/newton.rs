@@ -35,6 +35,8 @@ const NEAR: f64 = 0.02;
 /// Share of the energy that is not worth a step: along a motion that costs next to nothing (a round blade that may roll about
 /// any axis) steps may stay long.
 const NEGLIGIBLE: f64 = 1e-9;
+/// Pushes in vain, each in another direction, after which a saddle passes for a valley's floor.
+const IDLE: u32 = 5;
 /// Length of the push off a saddle, extents.
 const PUSH: f64 = 3e-3;
 
@@ -172,7 +174,7 @@ impl<'a> Solver<'a> {
             return Ok(outcome);
         }
         let mut trail = Trail { stretches: self.stretches(before, positions, positions), ..Trail::default() };
-        let mut last_saddle = f64::INFINITY;
+        let (mut last_saddle, mut idle) = (f64::INFINITY, 0);
         while outcome.iterations < u64::from(most) && outcome.energy.is_finite() {
             let bent = Bent::new(self.sheet, rest, positions);
             let gradient = self.gathered(&bent.gradient());
@@ -182,11 +184,13 @@ impl<'a> Solver<'a> {
             outcome.iterations += 1;
             (outcome.step, outcome.residual) = (longest(&step), longest(&gradient));
             if !whole && outcome.step <= tolerance {
-                if last_saddle - outcome.energy <= NEGLIGIBLE * outcome.energy {
+                idle = if last_saddle - outcome.energy <= NEGLIGIBLE * outcome.energy { idle + 1 } else { 0 };
+                if idle > IDLE {
                     return Ok(outcome);
                 }
                 last_saddle = outcome.energy;
-                self.leave_saddle(&gradient, positions, outcome.saddles);
+                let push = self.push(&bent, &trail, &gradient, outcome.saddles);
+                self.move_by(positions, &push, 1.0);
                 outcome.saddles += 1;
                 outcome.energy = energy(self.sheet, rest, positions);
                 trail = Trail { stretches: self.stretches(rest, positions, positions), ..Trail::default() };
@@ -270,16 +274,20 @@ impl<'a> Solver<'a> {
                 return Some(!tamed);
             }
         }
+        self.shifted().then_some(false)
+    }
+
+    /// Factors the matrix with the least shift that makes it definite; false when none does.
+    fn shifted(&mut self) -> bool {
         let mut shift = FIRST_SHIFT;
         while shift < LAST_SHIFT {
             self.matrix.shift(&self.areas, shift);
-            outcome.factorisations += 1;
             if self.factor.compute(&self.matrix).is_ok() {
-                return Some(false);
+                return true;
             }
             shift *= GRADE;
         }
-        None
+        false
     }
 
     /// Goes from a mark along its step, as far as that lowers the energy enough; `None` when it nowhere does.
@@ -296,24 +304,25 @@ impl<'a> Solver<'a> {
         None
     }
 
-    /// Pushes the positions along the direction in which the energy falls most, found by inverse iteration with the shifted
-    /// factor. The start of the iteration is fixed, rough, and other at each saddle.
-    fn leave_saddle(&self, gradient: &[[f64; 3]], positions: &mut [DVec3], number: u64) {
+    /// A push along the direction in which the energy curves down most, found by inverse iteration with the whole Hessian
+    /// shifted until it is definite. The start of the iteration is fixed, rough, and other at each saddle.
+    fn push(&mut self, bent: &Bent, trail: &Trail, gradient: &[[f64; 3]], number: u64) -> Vec<[f64; 3]> {
+        bent.hessian(&self.places, &mut self.matrix, &trail.stretches, false);
+        let _ = self.shifted();
         let rough = |i: usize, k: usize| {
             let hash = crate::base::random::hash(i as u64 * 3 + k as u64, number);
             (hash >> 11) as f64 / (1u64 << 53) as f64 - 0.3
         };
         let mut push: Vec<[f64; 3]> =
             self.areas.iter().enumerate().map(|(i, a)| [0, 1, 2].map(|k| rough(i, k) * a)).collect();
-        for _ in 0..3 {
+        for _ in 0..6 {
             self.factor.solve(&mut push);
             let size = longest(&push).max(1e-300);
             push.iter_mut().zip(&self.areas).for_each(|(p, area)| *p = p.map(|x| x / size * area));
         }
         self.factor.solve(&mut push);
-        let rise = product(gradient, &push);
-        let size = longest(&push).max(1e-300);
-        self.move_by(positions, &push, if rise > 0.0 { -PUSH } else { PUSH } / size);
+        let size = longest(&push).max(1e-300) * if product(gradient, &push) > 0.0 { -1.0 } else { 1.0 };
+        push.iter().map(|p| p.map(|x| x * PUSH / size)).collect()
     }
 
     fn moved(&self, positions: &[DVec3], step: &[[f64; 3]], share: f64) -> Vec<DVec3> {
