@@ -6,14 +6,14 @@ settings! {
     /// The drying shell: what a dry leaf would like to be, and what holds it back. Lengths count in extents of the blade (the
     /// longer side of its bounding box), so that a table suits a leaf of any size and any mesh.
     pub struct Settings {
-        /// Curvature that the darkest part of the mask has when quite dry, in radians for each extent: 25 rolls a margin to a
-        /// radius of a twenty-fifth of the blade. Negative curls downwards.
-        curl: f64 = 24.0, range -1000.0 => 1000.0;
+        /// Curvature that the darkest part of the mask has when quite dry, in radians for each extent: 15 rolls a margin to a
+        /// radius of a fifteenth of the blade. Negative curls downwards.
+        curl: f64 = 15.0, range -1000.0 => 1000.0;
         /// Share of the curl that goes across the midrib (the blade's long axis) instead of across the nearest veins: with 1 the
         /// blade rolls up as a whole, with 0 each lobe and margin for itself.
-        roll: f64 = 0.5, range 0.0 => 1.0;
+        roll: f64 = 0.2, range 0.0 => 1.0;
         /// Share of the curl that goes all ways alike: 0 rolls, 1 cups.
-        cupping: f64 = 0.15, range 0.0 => 1.0;
+        cupping: f64 = 0.3, range 0.0 => 1.0;
         /// Strain by which the darkest part of the mask shrinks in its plane when quite dry; veins do not.
         shrink: f64 = 0.08, range 0.0 => 0.5;
         /// How far drying runs ahead at the margin: where the blade is deepest it is the state's dryness to the power of one
