@@ -52,7 +52,7 @@ fn filled(mut cells: Vec<Option<[f32; 3]>>, width: usize, height: usize) -> Pict
 fn eroded(shown: &Grid<bool>) -> Grid<bool> {
     let side = shown.width.max(shown.height) as f64;
     let rim = (0.0025 * side).max(2.5);
-    shown.map(|c| !c).squared_distances().map(|d| d > rim * rim)
+    shown.map(|c| !c).dilated(rim).map(|c| !c)
 }
 
 /// Mean of the leaf's colours under a texel; `None` when most of it is background.
