@@ -64,17 +64,23 @@ impl Bits {
         let bar = |rise: usize| (radius * radius - (rise * rise) as f64).max(0.0).sqrt() as usize;
         let bars: Vec<usize> = (0..=reach).map(|rise| bar(rise).min(self.width)).collect();
         let mut words = Vec::with_capacity(self.words.len());
-        let mut row = vec![0u64; self.columns];
+        // a word of what is outside on either side
+        let mut row = vec![self.outside; self.columns + 2];
+        let mut other = row.clone();
         for y in 0..self.height {
-            row.copy_from_slice(self.row(y));
-            for rise in 0..reach {
-                (bars[rise + 1]..bars[rise]).for_each(|_| self.draw_out(&mut row));
-                self.join(&mut row, y.checked_sub(rise + 1));
-                self.join(&mut row, Some(y + rise + 1));
+            row[1..=self.columns].copy_from_slice(self.row(y));
+            for rise in 0..=reach {
+                if rise > 0 {
+                    self.join(&mut row[1..=self.columns], y.checked_sub(rise));
+                    self.join(&mut row[1..=self.columns], Some(y + rise));
+                }
+                for _ in bars.get(rise + 1).copied().unwrap_or(0)..bars[rise] {
+                    draw_out(&row, &mut other);
+                    std::mem::swap(&mut row, &mut other);
+                }
             }
-            (0..bars[reach]).for_each(|_| self.draw_out(&mut row));
-            self.mend_end(&mut row);
-            words.extend_from_slice(&row);
+            self.mend_end(&mut row[1..=self.columns]);
+            words.extend_from_slice(&row[1..=self.columns]);
         }
         Self { words, ..*self }
     }
@@ -88,17 +94,6 @@ impl Bits {
         match y.filter(|&y| y < self.height) {
             Some(y) => row.iter_mut().zip(self.row(y)).for_each(|(word, other)| *word |= other),
             None => row.iter_mut().for_each(|word| *word |= self.outside),
-        }
-    }
-
-    /// Adds the cells beside the true ones of a row.
-    fn draw_out(&self, row: &mut [u64]) {
-        let mut before = self.outside;
-        let mut here = row.first().copied().unwrap_or_default();
-        for x in 0..row.len() {
-            let after = row.get(x + 1).copied().unwrap_or(self.outside);
-            row[x] = here | (here << 1 | before >> (WORD - 1)) | (here >> 1 | after << (WORD - 1));
-            (before, here) = (here, after);
         }
     }
 
@@ -135,18 +130,26 @@ impl Bits {
     }
 }
 
-fn word_of(cells: &[bool]) -> u64 {
-    let byte = |cells: &[bool]| {
-        let mut bytes = [0u8; 8];
-        bytes.iter_mut().zip(cells).for_each(|(byte, cell)| *byte = u8::from(*cell));
-        // gathers the lowest bits of the eight bytes in the highest byte
-        u64::from_le_bytes(bytes).wrapping_mul(0x0102_0408_1020_4080) >> 56
-    };
-    let mut word = 0;
-    for (place, eight) in cells.chunks(8).enumerate() {
-        word |= byte(eight) << (8 * place);
+/// Adds the cells beside the true ones of a row; its outermost words stay.
+fn draw_out(from: &[u64], to: &mut [u64]) {
+    for (to, words) in to[1..].iter_mut().zip(from.windows(3)) {
+        let (before, here, after) = (words[0], words[1], words[2]);
+        *to = here | (here << 1 | before >> (WORD - 1)) | (here >> 1 | after << (WORD - 1));
     }
-    word
+}
+
+/// The bits of up to 64 cells.
+fn word_of(cells: &[bool]) -> u64 {
+    let (eights, rest) = cells.as_chunks::<8>();
+    let mut last = [false; 8];
+    last[..rest.len()].copy_from_slice(rest);
+    let word = eights.iter().rev().fold(0, |word, eight| word << 8 | byte_of(eight));
+    if rest.is_empty() { word } else { word | byte_of(&last) << (8 * eights.len()) }
+}
+
+fn byte_of(cells: &[bool; 8]) -> u64 {
+    // gathers the lowest bits of the eight bytes in the highest byte
+    u64::from_le_bytes(cells.map(u8::from)).wrapping_mul(0x0102_0408_1020_4080) >> 56
 }
 
 const fn cells_of_bytes() -> [[bool; 8]; 256] {

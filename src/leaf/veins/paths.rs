@@ -35,13 +35,9 @@ pub struct Ground<'a> {
 const INWARDS: u32 = 3;
 
 impl Ground<'_> {
-    /// Whether a step leads back towards the origin, by more than a tenth of its length.
-    fn leads_back(&self, cell: usize, next: usize) -> bool {
-        self.from.is_some_and(|from| {
-            let (here, there) = (middle_of(self.costs.width, cell), middle_of(self.costs.width, next));
-            let (step, out) = (there - here, here - from);
-            step.dot(&out) < -0.1 * (step.norm_squared() * out.norm_squared()).sqrt()
-        })
+    /// The way from the origin to a cell; none without an origin.
+    fn out(&self, cell: usize) -> DVec2 {
+        self.from.map_or_else(DVec2::zeros, |from| middle_of(self.costs.width, cell) - from)
     }
 
     /// The largest cost of a step.
@@ -75,14 +71,16 @@ impl Ways {
 
     fn relax(&mut self, ground: &Ground, cell: u32, queue: &mut Queue) {
         let i = cell as usize;
-        for (next, diagonal) in neighbours(ground.costs.width, ground.costs.height, i) {
+        let out = ground.out(i);
+        for (next, step_to) in neighbours(ground.costs.width, ground.costs.height, i) {
+            let diagonal = step_to[0] != 0 && step_to[1] != 0;
             let outwards = u32::from(ground.costs.cells[next]) * STEPS[usize::from(diagonal)];
             let is_nearer = |ways: &Self, step: u32| ways.costs[i].saturating_add(step) < ways.costs[next];
             // a step towards the origin costs more still: most need not be looked at
             if outwards == 0 || !is_nearer(self, outwards) {
                 continue;
             }
-            let inwards = ground.leads_back(i, next);
+            let inwards = leads_back(out, step_to);
             let step = if inwards { outwards * INWARDS } else { outwards };
             if is_nearer(self, step) {
                 let gain = ground.gains.cells[next].min(if inwards { 0.0 } else { f32::INFINITY });
@@ -144,22 +142,29 @@ impl Queue {
     }
 }
 
-/// The up to eight cells round a cell, and whether they lie diagonally.
-fn neighbours(width: usize, height: usize, cell: usize) -> impl Iterator<Item = (usize, bool)> {
+/// Whether a step leads back towards the origin, by more than a tenth of its length.
+fn leads_back(out: DVec2, step: [i8; 2]) -> bool {
+    let step = DVec2::new(f64::from(step[0]), f64::from(step[1]));
+    let ahead = step.dot(&out);
+    ahead < 0.0 && ahead < -0.1 * (step.norm_squared() * out.norm_squared()).sqrt()
+}
+
+/// The up to eight cells round a cell, and the steps to them.
+fn neighbours(width: usize, height: usize, cell: usize) -> impl Iterator<Item = (usize, [i8; 2])> {
     let (x, y) = (cell % width, cell / width);
     let (left, right, up, down) = (x > 0, x + 1 < width, y > 0, y + 1 < height);
     let (above, below) = (cell.wrapping_sub(width), cell + width);
     let around = [
-        (up, above, false),
-        (left, cell.wrapping_sub(1), false),
-        (right, cell + 1, false),
-        (down, below, false),
-        (up && left, above.wrapping_sub(1), true),
-        (up && right, above.wrapping_add(1), true),
-        (down && left, below.wrapping_sub(1), true),
-        (down && right, below + 1, true),
+        (up, above, [0, -1]),
+        (left, cell.wrapping_sub(1), [-1, 0]),
+        (right, cell + 1, [1, 0]),
+        (down, below, [0, 1]),
+        (up && left, above.wrapping_sub(1), [-1, -1]),
+        (up && right, above.wrapping_add(1), [1, -1]),
+        (down && left, below.wrapping_sub(1), [-1, 1]),
+        (down && right, below + 1, [1, 1]),
     ];
-    around.into_iter().filter(|(fits, ..)| *fits).map(|(_, next, diagonal)| (next, diagonal))
+    around.into_iter().filter(|(fits, ..)| *fits).map(|(_, next, step)| (next, step))
 }
 
 #[cfg(test)]
