@@ -5,24 +5,25 @@ use crate::base::vector::DVec2;
 use crate::leaf::grid::Grid;
 
 const RIM: usize = 4;
-const NONE: u32 = u32::MAX;
+/// Level of a blurred picture far within its mask, and the level that is followed.
+const FULL: u16 = 256;
+const HALF: u16 = FULL / 2;
 
 /// The closed half-level lines of a mask, the longest first (of equals the first from the top), in pixels with the centre of
 /// the top left pixel at (0.5, 0.5). Seen with rows running down, the mask lies to the left of a line: an outline runs
 /// counter-clockwise and has a negative [`crate::leaf::polygon::doubled_area`], the rim of a hole runs clockwise.
 pub fn outlined(mask: &Grid<bool>) -> Vec<Vec<DVec2>> {
     let field = blurred(&mask.padded(RIM));
-    let next = links(&field);
-    let mut seen = vec![false; next.len()];
+    let (mut next, starts) = links(&field);
     let mut lines: Vec<Vec<DVec2>> = Vec::new();
     let shift = DVec2::repeat(0.5 - RIM as f64);
-    for start in 0..next.len() {
+    for start in starts {
         let mut line = Vec::new();
-        let mut edge = start as u32;
-        while next[edge as usize] != NONE && !seen[edge as usize] {
-            seen[edge as usize] = true;
+        let mut edge = start;
+        // a link that was followed is taken away
+        while let Some(ahead) = std::mem::take(&mut next[edge as usize]).checked_sub(1) {
             line.push(place(&field, edge) + shift);
-            edge = next[edge as usize];
+            edge = ahead;
         }
         if !line.is_empty() {
             lines.push(line);
@@ -32,52 +33,67 @@ pub fn outlined(mask: &Grid<bool>) -> Vec<Vec<DVec2>> {
     lines
 }
 
-/// Binomial blur of variance 1.
-fn blurred(mask: &Grid<bool>) -> Grid<f32> {
-    let source = mask.map(|c| if c { 1.0f32 } else { 0.0 });
-    let pass = |grid: &Grid<f32>, step: usize, inside: &dyn Fn(usize) -> bool| -> Grid<f32> {
-        let value = |i: usize| {
-            let c = &grid.cells;
-            let far = c[i - 2 * step] + c[i + 2 * step];
-            (far + 4.0 * (c[i - step] + c[i + step]) + 6.0 * c[i]) / 16.0
-        };
-        let cells = (0..grid.cells.len()).map(|i| if inside(i) { value(i) } else { 0.0 }).collect();
-        Grid { width: grid.width, height: grid.height, cells }
-    };
-    let (width, height) = (mask.width, mask.height);
-    let along = pass(&source, 1, &|i| (2..width - 2).contains(&(i % width)));
-    pass(&along, width, &|i| (2..height - 2).contains(&(i / width)))
+/// Binomial blur of variance 1, in 256ths.
+fn blurred(mask: &Grid<bool>) -> Grid<u16> {
+    let width = mask.width;
+    let source: Vec<u16> = mask.cells.iter().map(|&c| u16::from(c)).collect();
+    let mut along = vec![0u16; source.len()];
+    for (to, from) in along.chunks_exact_mut(width).zip(source.chunks_exact(width)) {
+        binomial(&mut to[2..width - 2], [0, 1, 2, 3, 4].map(|shift| &from[shift..]));
+    }
+    let mut cells = vec![0u16; source.len()];
+    for y in 2..mask.height - 2 {
+        let rows = [0, 1, 2, 3, 4].map(|shift| &along[(y + shift - 2) * width..]);
+        binomial(&mut cells[y * width..(y + 1) * width], rows);
+    }
+    Grid { width, height: mask.height, cells }
 }
 
-/// For each lattice edge (twice its left or upper end's number, plus 1 if it runs down) the edge where the line goes on. A
-/// line enters a square where its corners, taken in one sense, turn from out to in, and leaves at the next turn back.
-fn links(field: &Grid<f32>) -> Vec<u32> {
-    let mut next = vec![NONE; field.cells.len() * 2];
-    for y in 0..field.height - 1 {
-        for x in 0..field.width - 1 {
-            let i = y * field.width + x;
-            let below = i + field.width;
-            let inside = [i, i + 1, below + 1, below].map(|c| field.cells[c] > 0.5);
-            let edges = [2 * i, 2 * (i + 1) + 1, 2 * below, 2 * i + 1];
-            for side in 0..4 {
-                if inside[side] || !inside[(side + 1) % 4] {
-                    continue;
-                }
+/// Sixteen times the binomial mean of five rows. Levels are 256 at most, so that nothing wraps, which is said so that many
+/// cells can be taken at once.
+fn binomial(to: &mut [u16], [a, b, c, d, e]: [&[u16]; 5]) {
+    let count = to.len();
+    let (a, b, c, d, e) = (&a[..count], &b[..count], &c[..count], &d[..count], &e[..count]);
+    for i in 0..count {
+        let near = b[i].wrapping_add(d[i]).wrapping_mul(4);
+        to[i] = a[i].wrapping_add(e[i]).wrapping_add(near).wrapping_add(c[i].wrapping_mul(6));
+    }
+}
+
+/// For each lattice edge (twice its left or upper end's number, plus 1 if it runs down) one more than the edge where the line
+/// goes on, 0 where there is none; and the edges with a line, in order. A line enters a square where its corners, taken in
+/// one sense, turn from out to in, and leaves at the next turn back.
+fn links(field: &Grid<u16>) -> (Vec<u32>, Vec<u32>) {
+    let mut next = vec![0; field.cells.len() * 2];
+    let mut starts = Vec::new();
+    let width = field.width;
+    let rows = field.cells.chunks_exact(width).zip(field.cells.chunks_exact(width).skip(1));
+    for (y, (upper, lower)) in rows.enumerate() {
+        for (x, (above, below)) in upper.windows(2).zip(lower.windows(2)).enumerate() {
+            let inside = [above[0] > HALF, above[1] > HALF, below[1] > HALF, below[0] > HALF];
+            if inside == [inside[0]; 4] {
+                continue;
+            }
+            let i = y * width + x;
+            let edges = [2 * i, 2 * (i + 1) + 1, 2 * (i + width), 2 * i + 1];
+            for side in (0..4).filter(|&side| !inside[side] && inside[(side + 1) % 4]) {
                 let leave = (1..4).map(|k| (side + k) % 4).find(|&s| inside[s] && !inside[(s + 1) % 4]);
                 if let Some(leave) = leave {
-                    next[edges[side]] = edges[leave] as u32;
+                    next[edges[side]] = edges[leave] as u32 + 1;
+                    starts.push(edges[side] as u32);
                 }
             }
         }
     }
-    next
+    starts.sort_unstable();
+    (next, starts)
 }
 
-fn place(field: &Grid<f32>, edge: u32) -> DVec2 {
+fn place(field: &Grid<u16>, edge: u32) -> DVec2 {
     let (i, down) = (edge as usize / 2, edge % 2 == 1);
     let j = if down { i + field.width } else { i + 1 };
     let (a, b) = (f64::from(field.cells[i]), f64::from(field.cells[j]));
-    let t = (0.5 - a) / (b - a);
+    let t = (f64::from(HALF) - a) / (b - a);
     let start = DVec2::new((i % field.width) as f64, (i / field.width) as f64);
     start + if down { DVec2::new(0.0, t) } else { DVec2::new(t, 0.0) }
 }

@@ -2,7 +2,7 @@
 //! open; small ones and pale spots are filled.
 
 use crate::leaf::contrast::median;
-use crate::leaf::grid::{Grid, sizes};
+use crate::leaf::grid::{Grid, Parts};
 
 /// Share of the leaf's area from which a gap is kept.
 const SMALLEST: f64 = 0.001;
@@ -25,20 +25,20 @@ pub struct Gaps {
 pub fn sorted(blade: &Grid<bool>, level: &Grid<f32>) -> Gaps {
     let whole = blade.filled();
     let enclosed = whole.joined(blade, |whole, blade| whole && !blade);
-    let (labels, count) = enclosed.parts();
-    let areas = sizes(&labels, count);
+    let parts = Parts::of(&enclosed);
+    let (areas, labels) = (&parts.areas, parts.labels());
     let least = SMALLEST * whole.area() as f64;
     let mut levels: Vec<Vec<f32>> = vec![Vec::new(); areas.len()];
     for (&label, &level) in labels.cells.iter().zip(&level.cells) {
-        if areas[label as usize] as f64 > least && label != 0 {
+        if label != 0 && areas[label as usize] as f64 > least {
             levels[label as usize].push(level);
         }
     }
     let open: Vec<bool> = levels.into_iter().map(|l| !l.is_empty() && median(l) < SEEN_THROUGH).collect();
     let kept = open.iter().filter(|&&open| open).count();
     let counted = (1..areas.len()).filter(|&label| areas[label] >= NOISE).count();
-    let cells = whole.cells.iter().zip(&labels.cells).map(|(&whole, &label)| whole && !open[label as usize]).collect();
-    Gaps { blade: Grid { cells, ..whole }, kept, filled: counted - kept.min(counted) }
+    let closed = parts.only(|part| !open[part as usize]);
+    Gaps { blade: closed.joined(blade, |closed, blade| closed || blade), kept, filled: counted - kept.min(counted) }
 }
 
 #[cfg(test)]

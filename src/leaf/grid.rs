@@ -1,6 +1,10 @@
 //! A rectangle of values, and the operations on two-valued ones: distance, opening, parts.
 
-use std::ops::Range;
+mod bits;
+mod parts;
+
+use bits::Bits;
+pub use parts::Parts;
 
 /// Values row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,87 +79,25 @@ impl Grid<bool> {
         field
     }
 
-    /// The cells whose centre lies within `radius` of a true cell's. Distances down the columns are found first; then each
-    /// shift along the rows counts those that it leaves short enough.
+    /// The cells whose centre lies within `radius` of a true cell's.
     pub fn dilated(&self, radius: f64) -> Self {
-        let mut cells = vec![false; self.cells.len()];
-        let heights = self.column_distances();
-        let reach = (radius.max(0.0) as usize).min(self.width);
-        let most = |shift: usize| (radius * radius - (shift * shift) as f64).max(0.0).sqrt().min(65_534.0) as u16;
-        let most: Vec<u16> = (0..=reach).map(most).collect();
-        let width = self.width.max(1);
-        for (row, heights) in cells.chunks_exact_mut(width).zip(heights.chunks_exact(width)) {
-            for start in (0..width).step_by(CHUNK) {
-                near(row, heights, start..(start + CHUNK).min(width), &most);
-            }
-        }
-        Self { cells, ..*self }
-    }
-
-    /// Distance of each cell to the nearest true one of its column, at most 65,535.
-    fn column_distances(&self) -> Vec<u16> {
-        let mut heights: Vec<u16> = self.cells.iter().map(|&c| if c { 0 } else { u16::MAX }).collect();
-        let lower = |row: &mut [u16], beside: &[u16]| {
-            row.iter_mut().zip(beside).for_each(|(height, other)| *height = (*height).min(other.saturating_add(1)));
-        };
-        for y in 1..self.height {
-            let (above, below) = heights.split_at_mut(y * self.width);
-            lower(&mut below[..self.width], &above[(y - 1) * self.width..]);
-        }
-        for y in (1..self.height).rev() {
-            let (above, below) = heights.split_at_mut(y * self.width);
-            lower(&mut above[(y - 1) * self.width..], &below[..self.width]);
-        }
-        heights
+        Bits::of(self).dilated(radius).grid()
     }
 
     /// The cells farther than `radius` from every false one; what lies outside the grid is false.
     pub fn eroded(&self, radius: f64) -> Self {
-        let rim = radius.max(0.0).ceil() as usize + 1;
-        self.padded(rim).map(|c| !c).dilated(radius).map(|c| !c).trimmed(rim)
+        Bits::of(self).eroded(radius).grid()
     }
 
     /// Opening by a disc: what a disc of this radius can cover from within.
     pub fn opened(&self, radius: f64) -> Self {
-        self.eroded(radius).dilated(radius)
+        Bits::of(self).eroded(radius).dilated(radius).grid()
     }
 
     /// The cells for which `keep` holds of this value and that of another grid of the same size.
     pub fn joined(&self, other: &Self, keep: impl Fn(bool, bool) -> bool) -> Self {
         let cells = self.cells.iter().zip(&other.cells).map(|(&a, &b)| keep(a, b)).collect();
         Self { cells, ..*self }
-    }
-
-    /// Numbers of the connected parts of the true cells (4 neighbours), from 1 in the order of their first cells, 0
-    /// elsewhere; and the number of parts. Runs along the rows are joined to those that they touch in the row above.
-    pub fn parts(&self) -> (Grid<u32>, u32) {
-        let runs = self.runs();
-        let roots = joined_runs(&runs);
-        let mut labels = self.map(|_| 0u32);
-        let mut numbers = vec![0u32; runs.len()];
-        let mut count = 0;
-        for (rank, run) in runs.iter().enumerate() {
-            // a root is the first run of its part
-            if roots[rank] == rank {
-                count += 1;
-                numbers[rank] = count;
-            }
-            let start = run.row * self.width;
-            labels.cells[start + run.start..start + run.end].fill(numbers[roots[rank]]);
-        }
-        (labels, count)
-    }
-
-    fn runs(&self) -> Vec<Run> {
-        let mut runs = Vec::new();
-        for (row, cells) in self.cells.chunks_exact(self.width.max(1)).enumerate() {
-            let mut x = 0;
-            while let Some(start) = cells[x..].iter().position(|&c| c).map(|ahead| x + ahead) {
-                x = cells[start..].iter().position(|&c| !c).map_or(cells.len(), |ahead| start + ahead);
-                runs.push(Run { row, start, end: x });
-            }
-        }
-        runs
     }
 
     /// The cells beside a cell.
@@ -170,27 +112,17 @@ impl Grid<bool> {
 
     /// The largest part (the first of equals); all false without one.
     pub fn largest_part(&self) -> Self {
-        let (labels, count) = self.parts();
-        let sizes = sizes(&labels, count);
-        let largest = (1..=count).max_by_key(|&l| (sizes[l as usize], std::cmp::Reverse(l))).unwrap_or(u32::MAX);
-        labels.map(|l| l == largest)
+        let parts = Parts::of(self);
+        let largest = parts.largest();
+        parts.only(|part| Some(part) == largest)
     }
 
     /// With the holes filled: false parts that do not reach the rim.
     pub fn filled(&self) -> Self {
-        let (labels, count) = self.padded(1).map(|c| !c).parts();
-        debug_assert!(count >= 1);
-        labels.map(|l| l != 1).trimmed(1)
+        let parts = Parts::of(&self.padded(1).map(|c| !c));
+        debug_assert!(parts.count() >= 1);
+        parts.only(|part| part == 1).map(|outside| !outside).trimmed(1)
     }
-}
-
-/// Number of cells of each part; that of part 0 is the number of cells in none.
-pub fn sizes(labels: &Grid<u32>, count: u32) -> Vec<usize> {
-    let mut sizes = vec![0usize; count as usize + 1];
-    for &label in &labels.cells {
-        sizes[label as usize] += 1;
-    }
-    sizes
 }
 
 /// True cells beside each other in a row, from column `start` to before column `end`.
@@ -199,56 +131,6 @@ struct Run {
     row: usize,
     start: usize,
     end: usize,
-}
-
-/// Cells of a row that are looked at together.
-const CHUNK: usize = 64;
-
-/// Marks the cells of some columns that a shift along the row brings to one whose height is at most that of the shift.
-fn near(row: &mut [bool], heights: &[u16], columns: Range<usize>, most: &[u16]) {
-    let (start, end, reach) = (columns.start, columns.end, most.len() - 1);
-    if heights[columns.clone()].iter().all(|&height| height <= most[0]) {
-        row[columns].fill(true);
-        return;
-    }
-    let round = start.saturating_sub(reach)..(end + reach).min(heights.len());
-    if heights[round].iter().all(|&height| height > most[0]) {
-        return;
-    }
-    for (shift, &most) in most.iter().enumerate() {
-        let cells = row[start..].iter_mut().zip(heights.get(start + shift..).unwrap_or_default()).take(end - start);
-        cells.for_each(|(cell, height)| *cell |= *height <= most);
-        let first = start.max(shift).min(end);
-        let cells = row[first..end].iter_mut().zip(&heights[first.saturating_sub(shift)..]);
-        cells.for_each(|(cell, height)| *cell |= *height <= most);
-    }
-}
-
-/// For each run the first run of its part: union-find whose roots are the smaller numbers.
-fn joined_runs(runs: &[Run]) -> Vec<usize> {
-    let mut roots: Vec<usize> = (0..runs.len()).collect();
-    let mut above = 0;
-    for (rank, run) in runs.iter().enumerate() {
-        let before = |other: &Run| other.row + 1 < run.row || (other.row + 1 == run.row && other.end <= run.start);
-        while above < rank && before(&runs[above]) {
-            above += 1;
-        }
-        let beside = |other: &Run| other.row + 1 == run.row && other.start < run.end;
-        for other in (above..rank).take_while(|&other| beside(&runs[other])) {
-            let (a, b) = (root(&mut roots, rank), root(&mut roots, other));
-            roots[a.max(b)] = a.min(b);
-        }
-    }
-    (0..roots.len()).map(|rank| root(&mut roots, rank)).collect()
-}
-
-/// The root of a run; the path to it is halved on the way.
-fn root(roots: &mut [usize], mut rank: usize) -> usize {
-    while roots[rank] != rank {
-        roots[rank] = roots[roots[rank]];
-        rank = roots[rank];
-    }
-    rank
 }
 
 /// Lower envelope of parabolas rooted at the cells of a line.
@@ -313,7 +195,7 @@ mod tests {
 
     #[test]
     fn dilation_agrees_with_distances() {
-        for (width, height, seed) in [(1, 1, 1), (7, 1, 2), (1, 9, 3), (40, 31, 4), (33, 64, 5)] {
+        for (width, height, seed) in [(1, 1, 1), (7, 1, 2), (1, 9, 3), (140, 31, 4), (33, 64, 5)] {
             let grid = scattered(width, height, 4, seed);
             let distances = grid.squared_distances();
             for radius in [0.0, 1.0, 1.5, 2.9, 6.0, 80.0] {
@@ -322,6 +204,9 @@ mod tests {
                     distances.map(|d| d <= radius * radius),
                     "{width} x {height}, {radius}"
                 );
+                let rim = radius as usize + 1;
+                let from_false = grid.padded(rim).map(|c| !c).squared_distances().map(|d| d > radius * radius);
+                assert_eq!(grid.eroded(radius), from_false.trimmed(rim));
             }
         }
     }
@@ -330,7 +215,7 @@ mod tests {
     fn parts_are_those_of_flooding() {
         for (width, height, seed) in [(1, 1, 7), (1, 20, 8), (20, 1, 9), (30, 40, 10), (61, 23, 11)] {
             let grid = scattered(width, height, 60, seed);
-            let (labels, count) = grid.parts();
+            let parts = Parts::of(&grid);
             let mut flooded = grid.map(|_| 0u32);
             let mut number = 0;
             for start in (0..grid.cells.len()).filter(|&i| grid.cells[i]) {
@@ -343,7 +228,9 @@ mod tests {
                     }
                 }
             }
-            assert_eq!((labels, count), (flooded, number));
+            assert_eq!((parts.labels(), parts.count()), (flooded.clone(), number));
+            assert_eq!(parts.areas.iter().sum::<usize>(), grid.cells.len());
+            assert!((0..grid.cells.len()).all(|cell| parts.at(cell) == flooded.cells[cell]));
         }
     }
 

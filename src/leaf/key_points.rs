@@ -66,19 +66,51 @@ fn thinned(outline: &[DVec2], keys: &[usize], bound: f64, corner: f64) -> Vec<us
     let mut kept = keys.to_vec();
     let mut rank = 0;
     while rank < kept.len() && kept.len() > 8 {
-        let mut without = kept.clone();
-        without.remove(rank);
-        let spline = spline(outline, &without, corner);
-        let count = without.len();
-        let near = (0..2 * MOVED).map(|i| (rank + count * MOVED + i - MOVED) % count);
-        let held = |span: usize| wanted(outline, &without, &spline, span, bound).is_none();
-        // the span across the gap is the likeliest to fail
-        if held((rank + count - 1) % count) && near.into_iter().all(held) {
-            kept = without;
+        let key = kept.remove(rank);
+        if !holds(outline, &kept, rank, bound, corner) {
+            kept.insert(rank, key);
         }
         rank += 1;
     }
     kept
+}
+
+/// Whether the bound is held near the place where the key of this rank was left out.
+fn holds(outline: &[DVec2], keys: &[usize], rank: usize, bound: f64, corner: f64) -> bool {
+    let count = keys.len();
+    let (keys, first) = stretch(outline, keys, rank, corner);
+    let spline = spline(outline, &keys, corner);
+    let near = (0..2 * MOVED).map(|i| (rank + count * MOVED + i - MOVED) % count);
+    // the span across the gap is the likeliest to fail
+    let mut spans = std::iter::once((rank + count - 1) % count).chain(near);
+    spans.all(|span| is_held(outline, &keys, &spline, (span + count - first) % count, bound))
+}
+
+/// The keys that have to do with the spans near a rank: from the last corner before them to the first after them, where the
+/// spline falls apart, and one more on either side, which makes those two the corners that they are. And the rank of the
+/// first of them. All keys where there are no corners.
+fn stretch(outline: &[DVec2], keys: &[usize], rank: usize, corner: f64) -> (Vec<usize>, usize) {
+    let count = keys.len();
+    let point = |i: usize| outline[keys[i % count]];
+    let is_corner = |i: usize| turning(point(i + count - 1), point(i), point(i + 1)) > corner;
+    // the spans near a rank begin with the keys from MOVED before to MOVED - 1 after it
+    let before = (MOVED..count).find(|back| is_corner(rank + count - back));
+    let after = (MOVED..count).find(|ahead| is_corner(rank + ahead));
+    match before.zip(after) {
+        Some((before, after)) if before + after + 3 < count => {
+            let first = (rank + count - before - 1) % count;
+            ((0..before + after + 3).map(|i| keys[(first + i) % count]).collect(), first)
+        }
+        _ => (keys.to_vec(), 0),
+    }
+}
+
+/// Whether a span and its stretch of the outline lie within the bound of each other.
+fn is_held(outline: &[DVec2], keys: &[usize], spline: &Spline, span: usize, bound: f64) -> bool {
+    let length = length(outline, keys, span);
+    let line = samples(spline, span, length);
+    let is_near = |i: usize| from_line(&line, outline[(keys[span] + i) % outline.len()]) <= bound;
+    length < 2 || ((1..length).all(is_near) && straying(outline, keys, spline, span) <= bound)
 }
 
 /// The spline through some of an outline's points.
@@ -120,7 +152,7 @@ fn length(outline: &[DVec2], keys: &[usize], span: usize) -> usize {
 }
 
 fn from_line(line: &[DVec2], p: DVec2) -> f64 {
-    line.windows(2).map(|w| polygon::segment_distance(p, w[0], w[1])).fold(f64::INFINITY, f64::min)
+    line.windows(2).map(|w| polygon::squared_segment_distance(p, w[0], w[1])).fold(f64::INFINITY, f64::min).sqrt()
 }
 
 /// The outline point between two keys that lies farthest from their span, and how far.

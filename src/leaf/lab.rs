@@ -25,35 +25,38 @@ pub fn lab_of(picture: &Picture) -> Grid<[f32; 3]> {
 struct Tables {
     /// Linear value of each step of an encoded value.
     linear: Vec<f32>,
-    /// The lightness function of CIE 15 at each step of its argument, one more than `ROOTS` for interpolation.
-    roots: Vec<f32>,
+    /// The lightness function of CIE 15 at each step of its argument, and at the next.
+    roots: Vec<[f32; 2]>,
 }
 
 impl Tables {
     fn new() -> Self {
         let linear = (0..STEPS).map(|i| srgb_to_linear(i as f32 * 16.0 / 65_280.0)).collect();
         let root = |i: usize| lightness(i as f32 * HIGHEST / ROOTS as f32);
-        Self { linear, roots: (0..ROOTS + 2).map(root).collect() }
+        Self { linear, roots: (0..=ROOTS).map(|i| [root(i), root(i + 1)]).collect() }
     }
 
     /// Converts row `y`.
     fn fill(&self, picture: &Picture, y: usize, row: &mut [[f32; 3]]) {
         let (width, height) = (picture.width as usize, picture.height as i64);
         let rows = [-2, -1, 0, 1, 2].map(|d| (y as i64 + d).clamp(0, height - 1) as usize * width);
-        let [a, b, c, d, e] = rows.map(|start| &picture.pixels[start..start + width]);
-        let sum = |x: usize| {
-            let channel = |i: usize| {
-                let far = u32::from(a[x][i]) + u32::from(e[x][i]);
-                far + 4 * (u32::from(b[x][i]) + u32::from(d[x][i])) + 6 * u32::from(c[x][i])
-            };
-            [channel(0), channel(1), channel(2)]
-        };
-        // two columns continued on either side
-        let sums: Vec<[u32; 3]> = (0..width + 4).map(|x| sum(x.saturating_sub(2).min(width - 1))).collect();
-        for (cell, taps) in row.iter_mut().zip(sums.windows(5)) {
-            let code = |i: usize| taps[0][i] + 4 * (taps[1][i] + taps[3][i]) + 6 * taps[2][i] + taps[4][i];
-            // 256 times the code, at most 65,280
-            *cell = self.lab([0, 1, 2].map(|i| self.linear[((code(i) + 8) / 16) as usize]));
+        let [a, b, c, d, e] = rows.map(|start| picture.pixels[start..start + width].as_flattened());
+        // two pixels continued on either side; every sum fits: 256 times a code is at most 65,280
+        let mut sums = vec![0u16; 4 * (width + 4)];
+        for (i, sum) in sums[8..4 * (width + 2)].iter_mut().enumerate() {
+            *sum = binomial([a[i], b[i], c[i], d[i], e[i]].map(u16::from));
+        }
+        sums.copy_within(8..12, 4);
+        sums.copy_within(8..12, 0);
+        sums.copy_within(4 * (width + 1)..4 * (width + 2), 4 * (width + 2));
+        sums.copy_within(4 * (width + 1)..4 * (width + 2), 4 * (width + 3));
+        let mut steps = vec![0u16; 4 * width];
+        for (i, step) in steps.iter_mut().enumerate() {
+            *step = binomial([sums[i], sums[i + 4], sums[i + 8], sums[i + 12], sums[i + 16]]).wrapping_add(8) / 16;
+        }
+        for (cell, step) in row.iter_mut().zip(steps.as_chunks::<4>().0) {
+            let linear = |channel: usize| self.linear[usize::from(step[channel])];
+            *cell = self.lab([linear(0), linear(1), linear(2)]);
         }
     }
 
@@ -62,16 +65,24 @@ impl Tables {
         let x = (0.4124 * r + 0.3576 * g + 0.1805 * b) / 0.9505;
         let y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
         let z = (0.0193 * r + 0.1192 * g + 0.9505 * b) / 1.089;
-        let [x, y, z] = [x, y, z].map(|t| self.root(t));
+        let (x, y, z) = (self.root(x), self.root(y), self.root(z));
         [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
     }
 
     fn root(&self, t: f32) -> f32 {
         let place = (t * (ROOTS as f32 / HIGHEST)).clamp(0.0, ROOTS as f32);
-        let step = place as usize;
-        let part = place - step as f32;
-        self.roots[step] * (1.0 - part) + self.roots[step + 1] * part
+        let step = place as u16;
+        let part = place - f32::from(step);
+        let [here, next] = self.roots[usize::from(step)];
+        here * (1.0 - part) + next * part
     }
+}
+
+/// Sixteen times the binomial mean of five neighbours; it never wraps, which is said so that it can be taken of many at once.
+fn binomial([a, b, c, d, e]: [u16; 5]) -> u16 {
+    let far = a.wrapping_add(e);
+    let near = b.wrapping_add(d);
+    far.wrapping_add(near.wrapping_mul(4)).wrapping_add(c.wrapping_mul(6))
 }
 
 /// The function of CIE 15 through which CIELAB takes its values: a cube root, a straight line near black.

@@ -2,7 +2,7 @@
 //! what an opening takes away; its centre line and widths come from how far each of its cells lies from the blade.
 
 use crate::base::vector::DVec2;
-use crate::leaf::grid::Grid;
+use crate::leaf::grid::{Grid, Parts};
 use crate::leaf::symmetry::Symmetry;
 
 /// Radius of the opening, share of the square root of the leaf's area.
@@ -131,14 +131,13 @@ struct Strand {
 /// The parts that a disc of this radius cannot get into, where they hang on the rest.
 fn strands(whole: &Grid<bool>, radius: f64) -> Vec<Strand> {
     let core = whole.opened(radius).largest_part();
-    let (labels, count) = whole.joined(&core, |whole, core| whole && !core).parts();
-    let mut seeds: Vec<Vec<usize>> = vec![Vec::new(); count as usize + 1];
-    for (cell, &label) in labels.cells.iter().enumerate().filter(|(_, label)| **label != 0) {
-        if core.neighbours(cell).any(|n| core.cells[n]) {
-            seeds[label as usize].push(cell);
-        }
+    let thin = whole.joined(&core, |whole, core| whole && !core);
+    let parts = Parts::of(&thin);
+    let mut seeds: Vec<Vec<usize>> = vec![Vec::new(); parts.areas.len()];
+    for (cell, part) in parts.cells().filter(|(cell, _)| core.neighbours(*cell).any(|n| core.cells[n])) {
+        seeds[part as usize].push(cell);
     }
-    let mut seen = labels.map(|label| label == 0);
+    let mut seen = thin.map(|thin| !thin);
     seeds.into_iter().filter(|seeds| !seeds.is_empty()).map(|seeds| Strand::grown(seeds, &mut seen)).collect()
 }
 

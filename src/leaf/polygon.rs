@@ -29,7 +29,8 @@ pub fn segment_distance(p: DVec2, a: DVec2, b: DVec2) -> f64 {
     squared_segment_distance(p, a, b).sqrt()
 }
 
-fn squared_segment_distance(p: DVec2, a: DVec2, b: DVec2) -> f64 {
+/// Squared distance of a point from a segment.
+pub fn squared_segment_distance(p: DVec2, a: DVec2, b: DVec2) -> f64 {
     let side = b - a;
     let length = side.norm_squared();
     let t = if length > 0.0 { ((p - a).dot(&side) / length).clamp(0.0, 1.0) } else { 0.0 };

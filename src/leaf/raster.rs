@@ -53,9 +53,8 @@ pub fn draw_line(grid: &mut Grid<bool>, line: &[DVec2]) {
 
 /// The number of the cell that holds a point.
 pub fn cell_of(width: usize, height: usize, p: DVec2) -> Option<usize> {
-    let (x, y) = (p.x.floor(), p.y.floor());
-    let fits = x >= 0.0 && y >= 0.0 && x < width as f64 && y < height as f64;
-    fits.then(|| y as usize * width + x as usize)
+    let fits = p.x >= 0.0 && p.y >= 0.0 && p.x < width as f64 && p.y < height as f64;
+    fits.then(|| p.y as usize * width + p.x as usize)
 }
 
 /// The middle of a cell.

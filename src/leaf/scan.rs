@@ -4,6 +4,7 @@ use crate::base::flat_mesh::FlatMesh;
 use crate::base::picture::Picture;
 use crate::base::vector::{DVec2, Vec2};
 use crate::leaf::grid::Grid;
+use crate::leaf::raster::cell_of;
 use crate::leaf::trace::Trace;
 use rayon::prelude::*;
 
@@ -18,7 +19,21 @@ pub fn laid_out(picture: &Picture, trace: &Trace, mesh: &FlatMesh) -> Picture {
     let pixels_across = 1.0 / (mesh.uv_scale * trace.pose.scale);
     let side = side(pixels_across);
     let taps = ((pixels_across / side as f64).ceil() as usize).clamp(1, TAPS);
-    let texel = |i: usize| texel(picture, &inner, trace, mesh, (i, side, taps));
+    let places = |origin: f64, sense: f64, axis: DVec2| -> Vec<DVec2> {
+        let place = |i: usize| (i / taps) as f64 + ((i % taps) as f64 + 0.5) / taps as f64;
+        let plane = |i: usize| sense * (place(i) / side as f64 - origin) / mesh.uv_scale;
+        (0..side * taps).map(|i| axis * plane(i)).collect()
+    };
+    let pose = &trace.pose;
+    let across = DVec2::new(-pose.axis.y, pose.axis.x);
+    let columns = places(mesh.uv_origin.x, 1.0, across);
+    let rows = places(mesh.uv_origin.y, -1.0, pose.axis);
+    let texel = |i: usize| {
+        let (x, y) = (i % side * taps, i / side * taps);
+        let pixel = |from: DVec2, up: DVec2| pose.joint + (from + up) / pose.scale;
+        let (columns, rows) = (&columns[x..x + taps], &rows[y..y + taps]);
+        texel(picture, &inner, rows.iter().flat_map(|&up| columns.iter().map(move |&from| pixel(from, up))))
+    };
     filled((0..side * side).into_par_iter().map(texel).collect(), side, side)
 }
 
@@ -52,69 +67,66 @@ fn filled(mut cells: Vec<Option<[f32; 3]>>, width: usize, height: usize) -> Pict
 fn eroded(shown: &Grid<bool>) -> Grid<bool> {
     let side = shown.width.max(shown.height) as f64;
     let rim = (0.0025 * side).max(2.5);
-    shown.map(|c| !c).squared_distances().map(|d| d > rim * rim)
+    shown.map(|c| !c).dilated(rim).map(|c| !c)
 }
 
-/// Mean of the leaf's colours under a texel; `None` when most of it is background.
-fn texel(
-    picture: &Picture,
-    inner: &Grid<bool>,
-    trace: &Trace,
-    mesh: &FlatMesh,
-    (number, side, taps): (usize, usize, usize),
-) -> Option<[f32; 3]> {
-    let (mut sum, mut count) = ([0.0f32; 3], 0usize);
-    for tap in 0..taps * taps {
-        let place = |cell: usize, tap: usize| (cell as f64 + (tap as f64 + 0.5) / taps as f64) / side as f64;
-        let (u, v) = (place(number % side, tap % taps), place(number / side, tap / taps));
-        let plane = DVec2::new(u - mesh.uv_origin.x, mesh.uv_origin.y - v) / mesh.uv_scale;
-        let pixel = trace.pose.pixel(plane);
-        let (x, y) = (pixel.x.floor(), pixel.y.floor());
-        let fits = x >= 0.0 && y >= 0.0 && x < inner.width as f64 && y < inner.height as f64;
-        if fits && inner.at(x as usize, y as usize) {
-            let colour = bilinear(picture, pixel);
-            sum = [0, 1, 2].map(|i| sum[i] + colour[i]);
+/// Mean of the leaf's colours at the places (pixels) under a texel; `None` when most of them are background.
+fn texel(picture: &Picture, inner: &Grid<bool>, places: impl Iterator<Item = DVec2>) -> Option<[f32; 3]> {
+    let (mut sum, mut count, mut all) = ([0.0f32; 3], 0usize, 0usize);
+    for pixel in places {
+        all += 1;
+        if cell_of(inner.width, inner.height, pixel).is_some_and(|cell| inner.cells[cell]) {
+            let [r, g, b] = bilinear(picture, pixel);
+            sum = [sum[0] + r, sum[1] + g, sum[2] + b];
             count += 1;
         }
     }
-    (count * 2 > taps * taps).then(|| sum.map(|s| s / count as f32))
+    (count * 2 > all).then(|| sum.map(|s| s / count as f32))
 }
 
 /// Encoded colour at a place in pixels (first pixel's centre at 0.5), the rim continued.
 fn bilinear(picture: &Picture, place: DVec2) -> [f32; 3] {
     let clamp = |i: f64, size: u32| i.clamp(0.0, f64::from(size - 1));
     let (x, y) = (clamp(place.x - 0.5, picture.width), clamp(place.y - 0.5, picture.height));
-    let (left, top) = (x.floor() as u32, y.floor() as u32);
+    // neither is negative
+    let (left, top) = (x as u32, y as u32);
     let (right, below) = ((left + 1).min(picture.width - 1), (top + 1).min(picture.height - 1));
-    let (s, t) = ((x - x.floor()) as f32, (y - y.floor()) as f32);
-    let at = |x: u32, y: u32, i: usize| f32::from(picture.at(x, y)[i]);
-    [0, 1, 2].map(|i| {
-        let upper = at(left, top, i) * (1.0 - s) + at(right, top, i) * s;
-        let lower = at(left, below, i) * (1.0 - s) + at(right, below, i) * s;
-        upper * (1.0 - t) + lower * t
-    })
+    let (s, t) = ((x - f64::from(left)) as f32, (y - f64::from(top)) as f32);
+    let upper = [picture.at(left, top), picture.at(right, top)];
+    let lower = [picture.at(left, below), picture.at(right, below)];
+    let across = |row: &[[u8; 4]; 2], i: usize| f32::from(row[0][i]) * (1.0 - s) + f32::from(row[1][i]) * s;
+    let channel = |i: usize| across(&upper, i) * (1.0 - t) + across(&lower, i) * t;
+    [channel(0), channel(1), channel(2)]
 }
 
 /// Empty cells take the mean of their known neighbours, ring after ring.
 fn dilate(cells: &mut [Option<[f32; 3]>], width: usize, height: usize) {
     let grid = Grid { width, height, cells: cells.iter().map(Option::is_some).collect() };
+    // known, or about to be
+    let mut reached = grid.clone();
     let mut front: Vec<usize> = (0..cells.len()).filter(|&i| cells[i].is_none()).collect();
-    front.retain(|&i| grid.neighbours(i).any(|n| cells[n].is_some()));
+    front.retain(|&i| grid.neighbours(i).any(|n| grid.cells[n]));
+    front.iter().for_each(|&i| reached.cells[i] = true);
     while !front.is_empty() {
-        let mean = |i: usize| {
-            let known: Vec<[f32; 3]> = grid.neighbours(i).filter_map(|n| cells[n]).collect();
-            [0, 1, 2].map(|c| known.iter().map(|k| k[c]).sum::<f32>() / known.len() as f32)
-        };
-        let colours: Vec<[f32; 3]> = front.iter().map(|&i| mean(i)).collect();
+        let colours: Vec<[f32; 3]> = front.iter().map(|&i| mean(grid.neighbours(i).filter_map(|n| cells[n]))).collect();
         for (&i, colour) in front.iter().zip(colours) {
             cells[i] = Some(colour);
         }
-        let mut next: Vec<usize> =
-            front.iter().flat_map(|&i| grid.neighbours(i)).filter(|&n| cells[n].is_none()).collect();
-        next.sort_unstable();
-        next.dedup();
+        let mut next = Vec::new();
+        for n in front.iter().flat_map(|&i| grid.neighbours(i)) {
+            if !std::mem::replace(&mut reached.cells[n], true) {
+                next.push(n);
+            }
+        }
         front = next;
     }
+}
+
+/// The mean of at least one colour.
+fn mean(colours: impl Iterator<Item = [f32; 3]>) -> [f32; 3] {
+    let ([r, g, b], count) =
+        colours.fold(([0.0; 3], 0.0f32), |([r, g, b], count), c| ([r + c[0], g + c[1], b + c[2]], count + 1.0));
+    [r / count, g / count, b / count]
 }
 
 /// Grey (0 to 255) of a mask at texture coordinates: the mean of red, green and blue, bilinear.

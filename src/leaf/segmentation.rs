@@ -5,7 +5,7 @@
 use crate::base::picture::Picture;
 use crate::base::vector::DVec2;
 use crate::leaf::contrast::contrast;
-use crate::leaf::grid::{Grid, sizes};
+use crate::leaf::grid::{Grid, Parts};
 use crate::leaf::lab::lab_of;
 use crate::leaf::petiole::{self, Cut, Petiole};
 use crate::leaf::{LeafError, border, gaps, two_colours};
@@ -111,9 +111,9 @@ fn closed(mask: &Grid<bool>, radius: f64) -> Grid<bool> {
 
 /// The part of a mask that holds a leaf.
 fn holding(mask: &Grid<bool>, leaf: &Grid<bool>) -> Grid<bool> {
-    let (labels, _) = mask.parts();
-    let label = leaf.cells.iter().position(|&c| c).map_or(0, |cell| labels.cells[cell]);
-    labels.map(|l| l == label && l != 0)
+    let parts = Parts::of(mask);
+    let held = leaf.cells.iter().position(|&c| c).map_or(0, |cell| parts.at(cell));
+    parts.only(|part| part == held)
 }
 
 /// Radius of the opening of a mask of this size.
@@ -126,11 +126,10 @@ fn thread(mask: &Grid<bool>) -> f64 {
 /// # Errors
 /// [`LeafError::Picture`] when it is too small for a leaf, or fills the picture.
 fn largest(mask: &Grid<bool>) -> Result<(Grid<bool>, usize), LeafError> {
-    let (labels, count) = mask.parts();
-    let areas = sizes(&labels, count);
-    let area = |label: &u32| areas[*label as usize];
-    let best = (1..=count).max_by_key(|label| (area(label), std::cmp::Reverse(*label)));
-    let Some(best) = best.filter(|l| area(l) >= LEAST_AREA && area(l) as f64 >= SMALLEST * mask.cells.len() as f64)
+    let parts = Parts::of(mask);
+    let area = |part: &u32| parts.areas[*part as usize];
+    let Some(best) =
+        parts.largest().filter(|l| area(l) >= LEAST_AREA && area(l) as f64 >= SMALLEST * mask.cells.len() as f64)
     else {
         return Err(LeafError::picture(
             "no leaf stands out from the background; lay it flat on plain paper of another colour and fill the picture with it",
@@ -139,8 +138,8 @@ fn largest(mask: &Grid<bool>) -> Result<(Grid<bool>, usize), LeafError> {
     if area(&best) as f64 > 0.99 * mask.cells.len() as f64 {
         return Err(LeafError::picture("the leaf fills the whole picture; leave background on every side"));
     }
-    let further = (1..=count).filter(|l| *l != best && area(l) as f64 >= FURTHER * area(&best) as f64).count();
-    Ok((labels.map(|label| label == best), further))
+    let further = (1..=parts.count()).filter(|l| *l != best && area(l) as f64 >= FURTHER * area(&best) as f64).count();
+    Ok((parts.only(|part| part == best), further))
 }
 
 #[cfg(test)]

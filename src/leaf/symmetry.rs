@@ -3,6 +3,7 @@
 use crate::base::maths::{atan2, sincos};
 use crate::base::vector::DVec2;
 use crate::leaf::grid::Grid;
+use crate::leaf::raster::cell_of;
 
 /// About so many points of the blade are mirrored.
 const SAMPLES: f64 = 3000.0;
@@ -99,18 +100,19 @@ impl<'a> Symmetry<'a> {
     }
 
     fn inside(&self, p: DVec2) -> bool {
-        let (x, y) = (p.x.floor(), p.y.floor());
-        let fits = x >= 0.0 && y >= 0.0 && x < self.blade.width as f64 && y < self.blade.height as f64;
-        fits && self.blade.at(x as usize, y as usize)
+        cell_of(self.blade.width, self.blade.height, p).is_some_and(|cell| self.blade.cells[cell])
     }
 }
 
 fn centroid(blade: &Grid<bool>) -> DVec2 {
-    let mut sum = DVec2::zeros();
-    for (i, _) in blade.cells.iter().enumerate().filter(|(_, c)| **c) {
-        sum += DVec2::new((i % blade.width) as f64 + 0.5, (i / blade.width) as f64 + 0.5);
+    let (mut columns, mut rows, mut area) = (0u64, 0u64, 0u64);
+    for (y, row) in blade.cells.chunks_exact(blade.width.max(1)).enumerate() {
+        for x in (0..row.len()).filter(|&x| row[x]) {
+            (columns, rows, area) = (columns + x as u64, rows + y as u64, area + 1);
+        }
     }
-    sum / blade.area().max(1) as f64
+    let middle = |sum: u64| (sum as f64 + 0.5 * area as f64) / area.max(1) as f64;
+    DVec2::new(middle(columns), middle(rows))
 }
 
 #[cfg(test)]

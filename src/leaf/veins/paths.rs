@@ -4,8 +4,6 @@
 use crate::base::vector::DVec2;
 use crate::leaf::grid::Grid;
 use crate::leaf::raster::middle_of;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 /// No cell.
 pub const NONE: u32 = u32::MAX;
@@ -37,13 +35,14 @@ pub struct Ground<'a> {
 const INWARDS: u32 = 3;
 
 impl Ground<'_> {
-    /// Whether a step leads back towards the origin, by more than a tenth of its length.
-    fn leads_back(&self, cell: usize, next: usize) -> bool {
-        self.from.is_some_and(|from| {
-            let (here, there) = (middle_of(self.costs.width, cell), middle_of(self.costs.width, next));
-            let (step, out) = (there - here, here - from);
-            step.dot(&out) < -0.1 * (step.norm_squared() * out.norm_squared()).sqrt()
-        })
+    /// The way from the origin to a cell; none without an origin.
+    fn out(&self, cell: usize) -> DVec2 {
+        self.from.map_or_else(DVec2::zeros, |from| middle_of(self.costs.width, cell) - from)
+    }
+
+    /// The largest cost of a step.
+    fn dearest(&self) -> u32 {
+        u32::from(self.costs.cells.iter().copied().max().unwrap_or(0)) * STEPS[1] * INWARDS
     }
 }
 
@@ -55,32 +54,41 @@ impl Ways {
 
     /// Adds cells to the set and shortens the ways that lead to them.
     pub fn add(&mut self, ground: &Ground, cells: &[u32]) {
-        let mut heap = BinaryHeap::new();
+        let mut queue = Queue::new(ground.dearest());
         for &cell in cells {
             let i = cell as usize;
             (self.costs[i], self.parents[i], self.gains[i]) = (0, NONE, 0.0);
-            heap.push(Reverse((0u32, cell)));
+            queue.push(0, cell);
         }
-        while let Some(Reverse((cost, cell))) = heap.pop() {
-            if cost == self.costs[cell as usize] {
-                self.relax(ground, cell, &mut heap);
+        while let Some((cost, cells)) = queue.pop() {
+            for cell in cells {
+                if cost == self.costs[cell as usize] {
+                    self.relax(ground, cell, &mut queue);
+                }
             }
         }
     }
 
-    fn relax(&mut self, ground: &Ground, cell: u32, heap: &mut BinaryHeap<Reverse<(u32, u32)>>) {
-        for (next, diagonal) in neighbours(ground.costs.width, ground.costs.height, cell as usize) {
-            let inwards = ground.leads_back(cell as usize, next);
-            let step =
-                u32::from(ground.costs.cells[next]) * STEPS[usize::from(diagonal)] * if inwards { INWARDS } else { 1 };
-            let cost = self.costs[cell as usize].saturating_add(step);
-            if step > 0 && cost < self.costs[next] {
+    fn relax(&mut self, ground: &Ground, cell: u32, queue: &mut Queue) {
+        let i = cell as usize;
+        let out = ground.out(i);
+        for (next, step_to) in neighbours(ground.costs.width, ground.costs.height, i) {
+            let diagonal = step_to[0] != 0 && step_to[1] != 0;
+            let outwards = u32::from(ground.costs.cells[next]) * STEPS[usize::from(diagonal)];
+            let is_nearer = |ways: &Self, step: u32| ways.costs[i].saturating_add(step) < ways.costs[next];
+            // a step towards the origin costs more still: most need not be looked at
+            if outwards == 0 || !is_nearer(self, outwards) {
+                continue;
+            }
+            let inwards = leads_back(out, step_to);
+            let step = if inwards { outwards * INWARDS } else { outwards };
+            if is_nearer(self, step) {
                 let gain = ground.gains.cells[next].min(if inwards { 0.0 } else { f32::INFINITY });
                 let length = if diagonal { std::f32::consts::SQRT_2 } else { 1.0 };
-                self.costs[next] = cost;
+                self.costs[next] = self.costs[i].saturating_add(step);
                 self.parents[next] = cell;
-                self.gains[next] = self.gains[cell as usize] + gain * length;
-                heap.push(Reverse((cost, next as u32)));
+                self.gains[next] = self.gains[i] + gain * length;
+                queue.push(self.costs[next], next as u32);
             }
         }
     }
@@ -96,15 +104,67 @@ impl Ways {
     }
 }
 
-/// The up to eight cells round a cell, and whether they lie diagonally.
-fn neighbours(width: usize, height: usize, cell: usize) -> impl Iterator<Item = (usize, bool)> {
-    let (x, y) = ((cell % width) as i64, (cell / width) as i64);
-    const AROUND: [(i64, i64); 8] = [(0, -1), (-1, 0), (1, 0), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
-    AROUND.into_iter().filter_map(move |(dx, dy)| {
-        let (x, y) = (x + dx, y + dy);
-        let fits = x >= 0 && y >= 0 && x < width as i64 && y < height as i64;
-        fits.then(|| (y as usize * width + x as usize, dx != 0 && dy != 0))
-    })
+/// Cells in the order of their costs, those of equal cost in the order of their numbers. Costs of cells in the queue lie
+/// less than a number of buckets apart, each of which holds the cells of one cost (Dial 1969).
+struct Queue {
+    buckets: Vec<Vec<u32>>,
+    /// The lowest cost that may be there, and how many cells there are.
+    cost: u32,
+    count: usize,
+}
+
+impl Queue {
+    /// An empty queue for steps of at most this cost.
+    fn new(dearest: u32) -> Self {
+        Self { buckets: vec![Vec::new(); dearest as usize + 1], cost: 0, count: 0 }
+    }
+
+    fn push(&mut self, cost: u32, cell: u32) {
+        let place = cost as usize % self.buckets.len();
+        self.buckets[place].push(cell);
+        self.count += 1;
+    }
+
+    /// The cells of least cost.
+    fn pop(&mut self) -> Option<(u32, Vec<u32>)> {
+        if self.count == 0 {
+            return None;
+        }
+        let mut place = self.cost as usize % self.buckets.len();
+        while self.buckets[place].is_empty() {
+            self.cost += 1;
+            place = if place + 1 == self.buckets.len() { 0 } else { place + 1 };
+        }
+        let mut cells = std::mem::take(&mut self.buckets[place]);
+        cells.sort_unstable();
+        self.count -= cells.len();
+        Some((self.cost, cells))
+    }
+}
+
+/// Whether a step leads back towards the origin, by more than a tenth of its length.
+fn leads_back(out: DVec2, step: [i8; 2]) -> bool {
+    let step = DVec2::new(f64::from(step[0]), f64::from(step[1]));
+    let ahead = step.dot(&out);
+    ahead < 0.0 && ahead < -0.1 * (step.norm_squared() * out.norm_squared()).sqrt()
+}
+
+/// The up to eight cells round a cell, and the steps to them.
+fn neighbours(width: usize, height: usize, cell: usize) -> impl Iterator<Item = (usize, [i8; 2])> {
+    let (x, y) = (cell % width, cell / width);
+    let (left, right, up, down) = (x > 0, x + 1 < width, y > 0, y + 1 < height);
+    let (above, below) = (cell.wrapping_sub(width), cell + width);
+    let around = [
+        (up, above, [0, -1]),
+        (left, cell.wrapping_sub(1), [-1, 0]),
+        (right, cell + 1, [1, 0]),
+        (down, below, [0, 1]),
+        (up && left, above.wrapping_sub(1), [-1, -1]),
+        (up && right, above.wrapping_add(1), [1, -1]),
+        (down && left, below.wrapping_sub(1), [-1, 1]),
+        (down && right, below + 1, [1, 1]),
+    ];
+    around.into_iter().filter(|(fits, ..)| *fits).map(|(_, next, step)| (next, step))
 }
 
 #[cfg(test)]

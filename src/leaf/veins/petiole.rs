@@ -2,7 +2,7 @@
 
 use super::sheet::Sheet;
 use crate::base::vector::DVec2;
-use crate::leaf::grid::Grid;
+use crate::leaf::grid::{Grid, Parts};
 use crate::leaf::raster::middle_of;
 
 /// Tone, in local contrasts, above which a cell may be of a petiole.
@@ -23,17 +23,17 @@ pub fn folded(sheet: &Sheet, level: &Grid<f32>, joint: DVec2) -> Grid<bool> {
     let odd = |i: usize| level.cells[i] > BRIGHT || (sheet.inside.cells[i] && !sheet.sure.cells[i]);
     let cells = (0..level.cells.len()).map(odd).collect();
     let broad = Grid { cells, width: level.width, height: level.height }.opened(radius);
-    let (labels, count) = broad.parts();
-    let mut extents = vec![(0usize, f64::INFINITY, 0.0f64); count as usize + 1];
-    for (i, &label) in labels.cells.iter().enumerate().filter(|(_, label)| **label > 0) {
-        let distance = (middle_of(labels.width, i) - joint).norm();
-        let (area, near, far) = &mut extents[label as usize];
-        (*area, *near, *far) = (*area + 1, near.min(distance), far.max(distance));
+    let parts = Parts::of(&broad);
+    let mut extents = vec![(f64::INFINITY, 0.0f64); parts.areas.len()];
+    for (i, part) in parts.cells() {
+        let distance = (middle_of(broad.width, i) - joint).norm();
+        let (near, far) = &mut extents[part as usize];
+        (*near, *far) = (near.min(distance), far.max(distance));
     }
-    let is_petiole = |&(area, near, far): &(usize, f64, f64)| {
+    let is_petiole = |part: u32| {
+        let (area, (near, far)) = (parts.areas[part as usize], extents[part as usize]);
         let length = far - near;
         near < NEAR * length && length > LENGTH * sheet.size && (area as f64) < BROADEST * sheet.size * length
     };
-    let strip = labels.map(|label| label > 0 && is_petiole(&extents[label as usize]));
-    strip.squared_distances().map(|d| d <= radius * radius)
+    parts.only(is_petiole).dilated(radius)
 }
