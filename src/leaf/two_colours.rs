@@ -48,24 +48,16 @@ pub fn refined(lab: &Grid<[f32; 3]>, contrast: &mut Contrast, mask: &Grid<bool>)
     let away = mask.dilated(1.5 * reach).joined(&plain, |near, plain| plain && !near);
     let paper = Classes::of(lab, &away, block);
     let mut strange = Strange { other: mask.clone(), unshaded: mask.clone() };
-    for (first, cells) in stretches(lab, block) {
-        let (x, y) = (first % lab.width, first / lab.width);
-        let (here, blade) = (paper.at(x, y), leaf.at(x, y));
-        for (i, &cell) in (first..).zip(cells).filter(|(i, _)| !inner.cells[*i]) {
-            if near.cells[i] {
-                contrast.level.cells[i] = 0.5 / MIDDLE * between(cell, &here, &blade, weights);
-            }
-            strange.other.cells[i] = distance(cell, here.mean, strange_weights) > OTHER * contrast.threshold;
-            strange.unshaded.cells[i] = from_shadow(cell, here.mean, weights) > UNSHADED * contrast.threshold;
+    for (i, &cell) in lab.cells.iter().enumerate().filter(|(i, _)| !inner.cells[*i]) {
+        let (x, y) = (i % lab.width, i / lab.width);
+        let here = paper.at(x, y);
+        if near.cells[i] {
+            contrast.level.cells[i] = 0.5 / MIDDLE * between(cell, &here, &leaf.at(x, y), weights);
         }
+        strange.other.cells[i] = distance(cell, here.mean, strange_weights) > OTHER * contrast.threshold;
+        strange.unshaded.cells[i] = from_shadow(cell, here.mean, weights) > UNSHADED * contrast.threshold;
     }
     strange
-}
-
-/// The stretches of the rows that lie in one block each, with the number of their first cells.
-fn stretches(lab: &Grid<[f32; 3]>, block: usize) -> impl Iterator<Item = (usize, &[[f32; 3]])> {
-    let rows = lab.cells.chunks_exact(lab.width.max(1)).enumerate();
-    rows.flat_map(move |(y, row)| (y * lab.width..).step_by(block).zip(row.chunks(block)))
 }
 
 /// Weighted distance of a colour from those that a shadow gives the paper. With lightness counted from -16, CIELAB of a
@@ -112,12 +104,12 @@ impl Classes {
     fn of(lab: &Grid<[f32; 3]>, class: &Grid<bool>, block: usize) -> Self {
         let (columns, rows) = (lab.width.div_ceil(block), lab.height.div_ceil(block));
         let mut sums: Vec<Sums> = vec![[0.0; 7]; columns * rows];
-        for (first, cells) in stretches(lab, block) {
-            let (x, y) = (first % lab.width, first / lab.width);
-            let sum = &mut sums[y / block * columns + x / block];
-            for (cell, _) in cells.iter().zip(&class.cells[first..]).filter(|(_, flag)| **flag) {
+        for (y, row) in lab.cells.chunks_exact(lab.width).enumerate() {
+            let start = y / block * columns;
+            let flags = &class.cells[y * lab.width..(y + 1) * lab.width];
+            for (x, cell) in row.iter().enumerate().filter(|(x, _)| flags[*x]) {
                 let [l, a, b] = cell.map(f64::from);
-                *sum = added(*sum, &[l, a, b, l * l, a * a, b * b, 1.0]);
+                sums[start + x / block] = added(sums[start + x / block], &[l, a, b, l * l, a * a, b * b, 1.0]);
             }
         }
         let all = sums.iter().fold([0.0; 7], added);
