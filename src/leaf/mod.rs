@@ -1,34 +1,28 @@
 //! The leaf stage: outline (given or traced from a scan) -> closed B-spline -> Delaunay -> even mesh; veins and mask.
 //!
+//! ```text
+//! scan ─segmentation→ blade's pixels ─trace→ outline, key points, gaps, petiole, pose ─┐
+//! key points of the scene ─outline→ checked and cleaned ──────────────────────────────┴─spline→ curves ─remesh→ mesh
+//! scan, or outline alone ─veins→ veins;   outline, veins, mesh ─mask→ mask map;   all of it ─show→ texture, charts, preview
+//! ```
+//!
 //! Sections 3 and 4.2 of Tang, Wu and Fan 2013. Where the paper asks a user, this decides: key points by an error bound in
 //! pixels, the mask from veins, margin, tips and petiole. It does not bend the leaf, paint it, or read files.
 
-mod border;
-mod canvas;
-mod chart;
-mod contour;
-mod contrast;
 mod field;
 mod file;
-mod gaps;
 mod grid;
-mod key_points;
-mod lab;
 mod mask;
 mod outline;
-mod petiole;
 mod polygon;
-mod preview;
 mod raster;
 mod remesh;
-mod scan;
 mod segmentation;
+mod show;
 mod spline;
 mod strip;
-mod symmetry;
 mod trace;
 mod truth;
-mod two_colours;
 mod veins;
 
 use crate::base::blade::{Blade, Vein};
@@ -39,11 +33,11 @@ use crate::base::picture::Picture;
 use crate::base::settings::Complaint;
 use crate::base::vector::DVec2;
 use crate::{choice, settings};
-pub use chart::Chart;
 pub use file::{MASK, TEXTURE, text as file_text};
 pub use mask::Mask;
-pub use petiole::Petiole;
 use remesh::Remesh;
+pub use segmentation::petiole::Petiole;
+pub use show::chart::Chart;
 use spline::Spline;
 use thiserror::Error;
 pub use trace::{Pose, Trace};
@@ -51,11 +45,11 @@ pub use truth::Truth;
 
 /// The steps of the stage one by one: for benches and studies.
 pub mod steps {
-    pub use super::contour::outlined;
-    pub use super::key_points::{chosen, spline};
     pub use super::remesh::{Remesh, evened};
     pub use super::segmentation::{Segment, segmented};
     pub use super::spline::Spline;
+    pub use super::trace::contour::outlined;
+    pub use super::trace::key_points::{chosen, spline};
     pub use super::veins::scanned;
 }
 
@@ -251,13 +245,13 @@ pub fn model(settings: &Settings, pictures: Pictures, limits: &Limits) -> Result
 /// A picture of a blade by its texture coordinates.
 #[must_use]
 pub fn chart(chart: Chart, blade: &Blade) -> Picture {
-    chart::drawn(chart, blade)
+    show::chart::drawn(chart, blade)
 }
 
 /// What was made of a scan, side by side.
 #[must_use]
 pub fn preview(picture: &Picture, traced: &Traced) -> Picture {
-    preview::drawn(picture, &traced.trace, &traced.blade)
+    show::preview::drawn(picture, &traced.trace, &traced.blade)
 }
 
 /// What a trace leaves for the person to know.
@@ -332,10 +326,10 @@ fn blade(settings: &Settings, pictures: Pictures, trace: Option<&Trace>) -> Resu
             mask::drawn(&flat, &outlines[0], &holes, &veins, &settings.mask_law)
         }
     };
-    flat.greys = flat.uvs.iter().map(|uv| scan::grey_at(&mask, *uv)).collect();
+    flat.greys = flat.uvs.iter().map(|uv| show::texture::grey_at(&mask, *uv)).collect();
     let scan = match (scanned, pictures.texture) {
-        (Some((picture, trace)), _) => Some(scan::laid_out(picture, trace, &flat)),
-        (None, texture) => texture.map(scan::read_back),
+        (Some((picture, trace)), _) => Some(show::texture::laid_out(picture, trace, &flat)),
+        (None, texture) => texture.map(show::texture::read_back),
     };
     let mut outlines = outlines.into_iter();
     let outline = outlines.next().unwrap_or_default();

@@ -1,7 +1,7 @@
 use super::*;
 use crate::base::flat_mesh::BLADE_UV_MARGIN;
 use crate::base::maths::sincos;
-use crate::leaf::scan::grey_at;
+use crate::leaf::show::texture::grey_at;
 use std::f64::consts::TAU;
 
 /// An oval 60 x 80 mm with its joint below, two triangles wide: enough for the layout.

@@ -4,7 +4,7 @@
 use crate::base::blade::Blade;
 use crate::base::picture::Picture;
 use crate::base::vector::DVec2;
-use crate::leaf::canvas::{Canvas, Ink, Layout};
+use crate::leaf::show::canvas::{Canvas, Ink, Layout};
 
 /// Pixels along a side.
 const SIDE: u32 = 1024;
@@ -46,7 +46,7 @@ pub(in crate::leaf) fn of_texture(blade: &Blade, side: u32) -> Layout {
 /// The mask's grey at a pixel.
 pub(in crate::leaf) fn grey(blade: &Blade, layout: Layout, x: u32, y: u32) -> Ink {
     let place = layout.plane(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5));
-    [(super::scan::grey_at(&blade.mask, blade.mesh.uv(place)) + 0.5) as u8; 3]
+    [(super::texture::grey_at(&blade.mask, blade.mesh.uv(place)) + 0.5) as u8; 3]
 }
 
 /// Draws the spline and its key points; `unit` pixels is the width of the curve.

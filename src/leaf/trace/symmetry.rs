@@ -130,7 +130,7 @@ mod tests {
         let symmetry = Symmetry::of(&blade);
         assert!(symmetry.best().x.abs() < 0.02);
         assert!(symmetry.along(DVec2::y()) > 0.99 && symmetry.along(DVec2::x()) < 0.9);
-        let outline = crate::leaf::contour::outlined(&blade).remove(0);
+        let outline = crate::leaf::trace::contour::outlined(&blade).remove(0);
         assert!((symmetry.joint(&outline) - DVec2::new(60.0, 30.0)).norm() < 3.0);
     }
 }

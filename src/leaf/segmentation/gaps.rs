@@ -1,8 +1,8 @@
 //! Enclosed places of a blade where it does not show: gaps between lobes and holes through which the background is seen stay
 //! open; small ones and pale spots are filled.
 
-use crate::leaf::contrast::median;
 use crate::leaf::grid::{Grid, Parts};
+use crate::leaf::segmentation::contrast::median;
 
 /// Share of the leaf's area from which a gap is kept.
 const SMALLEST: f64 = 0.001;

@@ -1,12 +1,16 @@
 //! From a scan to key points in the blade's plane: segment, outline, key points, joint and axis.
 
+pub(in crate::leaf) mod contour;
+pub(in crate::leaf) mod key_points;
+pub(in crate::leaf) mod symmetry;
+
 use crate::base::picture::Picture;
 use crate::base::vector::DVec2;
 use crate::leaf::grid::Grid;
-use crate::leaf::petiole::Petiole;
+use crate::leaf::segmentation::petiole::Petiole;
 use crate::leaf::segmentation::{Segment, segmented};
-use crate::leaf::symmetry::Symmetry;
-use crate::leaf::{LeafError, contour, key_points, polygon};
+use crate::leaf::trace::symmetry::Symmetry;
+use crate::leaf::{LeafError, polygon};
 
 /// How the plane lies in the picture: a turn, a scale and the joint's place; the picture's rows run down.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,8 +1,8 @@
 //! The margin of a leaf, found anew between the colours of the leaf and of the background as they are on the spot: one
 //! threshold for a whole picture lies too near the paper where there is a shadow, and too near the leaf where it is pale.
 
-use crate::leaf::contrast::{Contrast, distance};
 use crate::leaf::grid::Grid;
+use crate::leaf::segmentation::contrast::{Contrast, distance};
 
 /// Share of the picture's longer side that the margin may move.
 const REACH: f64 = 0.004;

@@ -2,13 +2,20 @@
 //! background, found anew near the margin between the colours of leaf and background on the spot. The largest part is the
 //! leaf; its petiole is cut, its gaps are kept or filled, and a border that cuts it off is refused.
 
+mod border;
+mod contrast;
+mod gaps;
+mod lab;
+pub(in crate::leaf) mod petiole;
+mod two_colours;
+
 use crate::base::picture::Picture;
 use crate::base::vector::DVec2;
-use crate::leaf::contrast::contrast;
+use crate::leaf::LeafError;
 use crate::leaf::grid::{Grid, Parts};
-use crate::leaf::lab::lab_of;
-use crate::leaf::petiole::{self, Cut, Petiole};
-use crate::leaf::{LeafError, border, gaps, two_colours};
+use crate::leaf::segmentation::contrast::contrast;
+use crate::leaf::segmentation::lab::lab_of;
+use crate::leaf::segmentation::petiole::{Cut, Petiole};
 
 /// Share of the picture that a leaf must cover.
 const SMALLEST: f64 = 0.002;

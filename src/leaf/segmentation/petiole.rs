@@ -3,7 +3,7 @@
 
 use crate::base::vector::DVec2;
 use crate::leaf::grid::{Grid, Parts};
-use crate::leaf::symmetry::Symmetry;
+use crate::leaf::trace::symmetry::Symmetry;
 
 /// Radius of the opening, share of the square root of the leaf's area.
 const RADIUS: f64 = 0.035;

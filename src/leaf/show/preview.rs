@@ -3,8 +3,8 @@
 use crate::base::blade::Blade;
 use crate::base::picture::Picture;
 use crate::base::vector::DVec2;
-use crate::leaf::canvas::{Canvas, Ink, Layout};
-use crate::leaf::chart;
+use crate::leaf::show::canvas::{Canvas, Ink, Layout};
+use crate::leaf::show::chart;
 use crate::leaf::trace::Trace;
 
 /// Height of a panel, pixels, and the narrowest and widest that it may be.
