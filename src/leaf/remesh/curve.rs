@@ -122,18 +122,27 @@ impl<'a> Curve<'a> {
     }
 
     /// How far the curve strays from a chord that stands for it from one arc length on to another; looked at in a few points.
-    pub fn straying(&self, [start, end]: [f64; 2], [from, to]: [DVec2; 2]) -> f64 {
+    pub fn straying(&self, arcs: [f64; 2], ends: [DVec2; 2]) -> f64 {
+        self.farthest(arcs, ends).0
+    }
+
+    /// How far the curve strays, and at which arc length it strays most.
+    pub fn farthest(&self, [start, end]: [f64; 2], [from, to]: [DVec2; 2]) -> (f64, f64) {
         let chord = to - from;
         let last = self.points.len() - 1;
         let first = self.entry(start).0 + 1;
         let span = self.entry(end).0 + if end <= start { last } else { 0 } - (first - 1);
         let looks = span.min(LOOKS);
-        let mut widest = 0.0f64;
+        let mut widest = (0.0f64, first);
         for k in 0..looks {
             let i = first + (2 * k + 1) * span / (2 * looks);
-            widest = widest.max(chord.perp(&(self.points[if i >= last { i - last } else { i }] - from)).abs());
+            let i = if i >= last { i - last } else { i };
+            let off = chord.perp(&(self.points[i] - from)).abs();
+            if off > widest.0 {
+                widest = (off, i);
+            }
         }
-        widest / chord.norm().max(f64::MIN_POSITIVE)
+        (widest.0 / chord.norm().max(f64::MIN_POSITIVE), self.arcs[widest.1])
     }
 }
 

@@ -14,7 +14,12 @@ const SIZE: f64 = 0.6;
 /// A triangle of this share of the wanted area counts as inverted.
 const FLAT: f64 = 1e-9;
 /// How much the square of the cost counts: the worst triangles count for more than their share.
-const WORST: f64 = 5.0;
+const WORST: f64 = 7.0;
+/// Shape costs beyond this, that of a right triangle with an angle of 38.5 degrees, cost extra by the square of the excess.
+const POINTED: f64 = 1.185;
+const THIN: f64 = 300.0;
+/// By this factor they cost more where a mesh has settled with triangles that are too thin.
+const STIFFER: f64 = 4.0;
 
 /// The cost of triangles with a wanted area.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +27,8 @@ pub struct Energy {
     /// Twice the wanted area, and one over it.
     doubled_area: f64,
     inverse_area: f64,
+    /// How much thin triangles cost extra.
+    thin: f64,
 }
 
 /// How a cost changes with one corner.
@@ -35,11 +42,29 @@ pub struct Slope {
     pub bend: [f64; 3],
 }
 
+/// The inverse mean ratio of a triangle; infinite unless it is counter-clockwise.
+pub fn shape_cost(p: DVec2, a: DVec2, b: DVec2) -> f64 {
+    let (pa, pb, ab) = (a - p, b - p, b - a);
+    let doubled = pa.perp(&pb);
+    let sides = pa.norm_squared() + pb.norm_squared() + ab.norm_squared();
+    if doubled > 0.0 { sides / (EVEN * doubled) } else { f64::INFINITY }
+}
+
 impl Energy {
     /// The cost whose even triangle has sides of this length.
     pub fn of_spacing(spacing: f64) -> Self {
         let doubled_area = spacing * spacing * 0.75f64.sqrt();
-        Self { doubled_area, inverse_area: 1.0 / doubled_area }
+        Self { doubled_area, inverse_area: 1.0 / doubled_area, thin: THIN }
+    }
+
+    /// Makes thin triangles cost more.
+    pub fn stiffen(&mut self) {
+        self.thin *= STIFFER;
+    }
+
+    /// Whether a triangle costs extra for being thin.
+    pub fn is_thin(&self, p: DVec2, a: DVec2, b: DVec2) -> bool {
+        shape_cost(p, a, b) > POINTED
     }
 
     /// The cost; infinite unless the triangle is counter-clockwise.
@@ -53,7 +78,8 @@ impl Energy {
         let over = 1.0 / doubled;
         let shape = (pa.norm_squared() + pb.norm_squared() + ab.norm_squared()) * (over / EVEN);
         let plain = shape - 1.0 + SIZE * (ratio + self.doubled_area * over - 2.0);
-        plain + WORST * plain * plain
+        let thin = (shape - POINTED).max(0.0);
+        plain + WORST * plain * plain + self.thin * thin * thin
     }
 
     /// Adds the cost and how it changes with the corner `p`; the triangle must be counter-clockwise.
@@ -65,26 +91,38 @@ impl Energy {
         let shape = (pa.norm_squared() + pb.norm_squared() + ab.norm_squared()) * by_side;
         let inverse = self.doubled_area * over;
         let plain = shape - 1.0 + SIZE * (doubled * self.inverse_area + inverse - 2.0);
-        // How the doubled area and the sum of the squared sides change.
+        // How the doubled area and the sum of the squared sides change; the fall of what is divided by the area.
         let area = DVec2::new(-ab.y, ab.x);
-        let sides = (pa + pb) * -2.0;
-        let falling = (shape + SIZE * inverse) * over;
-        let gradient = sides * by_side + area * (SIZE * self.inverse_area - falling);
-        let (twice, mixed) = (2.0 * falling * over, by_side * over);
-        let bend = |i: usize, j: usize| {
-            let cross = mixed * (sides[i] * area[j] + area[i] * sides[j]);
-            twice * area[i] * area[j] - cross + if i == j { 4.0 * by_side } else { 0.0 }
+        let sides = (pa + pb) * (-2.0 * by_side);
+        let crossed = [2.0 * sides.x * area.x, sides.x * area.y + area.x * sides.y, 2.0 * sides.y * area.y];
+        let bend = |fall: f64| {
+            let twice = 2.0 * fall * over;
+            let own = [area.x * area.x, area.x * area.y, area.y * area.y];
+            [0, 1, 2].map(|k| twice * own[k] - over * crossed[k] + if k == 1 { 0.0 } else { 4.0 * by_side })
         };
-        let (steep, curved) = (1.0 + 2.0 * WORST * plain, 2.0 * WORST);
-        slope.value += plain + WORST * plain * plain;
-        slope.gradient += gradient * steep;
-        slope.bend[0] += steep * bend(0, 0) + curved * gradient.x * gradient.x;
-        slope.bend[1] += steep * bend(0, 1) + curved * gradient.x * gradient.y;
-        slope.bend[2] += steep * bend(1, 1) + curved * gradient.y * gradient.y;
+        let fall = (shape + SIZE * inverse) * over;
+        let gradient = sides + area * (SIZE * self.inverse_area - fall);
+        slope.add_square(plain, WORST, gradient, bend(fall));
+        slope.value += plain;
+        slope.gradient += gradient;
+        (0..3).for_each(|k| slope.bend[k] += bend(fall)[k]);
+        let thin = shape - POINTED;
+        if thin > 0.0 {
+            slope.add_square(thin, self.thin, sides - area * (shape * over), bend(shape * over));
+        }
     }
 }
 
 impl Slope {
+    /// Adds the square of something, by a weight, given how that changes.
+    fn add_square(&mut self, value: f64, weight: f64, gradient: DVec2, bend: [f64; 3]) {
+        let (steep, curved) = (2.0 * weight * value, 2.0 * weight);
+        self.value += weight * value * value;
+        self.gradient += gradient * steep;
+        let square = [gradient.x * gradient.x, gradient.x * gradient.y, gradient.y * gradient.y];
+        (0..3).for_each(|k| self.bend[k] += steep * bend[k] + curved * square[k]);
+    }
+
     /// Newton's step; nought where the second derivatives are not those of a valley.
     pub fn step(&self) -> DVec2 {
         let [xx, xy, yy] = self.bend;

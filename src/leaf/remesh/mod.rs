@@ -17,14 +17,15 @@
 //! - the loops neither touch nor cross; a round that made them is taken back, and the chords concerned stay as they were;
 //! - a result of more rounds has neither a lower score nor a lower mean q than one of fewer ([`Quality::is_no_worse_than`]),
 //!   and `history` tells what fewer rounds would have given;
-//! - the first vertex of each loop belongs to its first key, off by no more than its share of the area;
+//! - the first vertex of each loop is that planned nearest its first key, and on it where that costs little; along the
+//!   curve it moves away by a seventh of the spacing at most;
 //! - the vertices' number is within 5 % of the wanted one, where the rim leaves room for as many within; an outline that
 //!   is too narrow or too lobed for so few vertices gets as many as its rim needs;
 //! - everything is computed in one fixed order by one thread.
 //!
 //! What does not: there is no bound on the smallest angle (a tip sharper than 60 degrees cannot have a larger one; such
-//! triangles are counted apart), nor on the rim's distance from the curve: teeth and bays less deep than about a third
-//! of an edge are smoothed over where they would cost thin triangles.
+//! triangles are counted apart), nor on the rim's distance from the curve: teeth and bays less deep than about a quarter
+//! of an edge are smoothed over where they would cost thin triangles ([`straying`]).
 
 mod curve;
 mod edit;
@@ -37,6 +38,7 @@ mod relocate;
 mod rim;
 mod ring;
 mod seeds;
+mod straying;
 mod trial;
 mod triangulation;
 mod web;
@@ -51,6 +53,7 @@ use reconnect::Count;
 use relocate::Mesher;
 use rim::Rim;
 use std::ops::Range;
+use straying::PLANNED;
 pub use triangulation::Topology;
 use triangulation::triangulated;
 use web::Web;
@@ -63,6 +66,9 @@ const QUIET: f64 = 0.02;
 const SETTLED: f64 = 2e-3;
 /// Rounds also end when so many in a row brought nothing better.
 const IDLE: u32 = 16;
+/// A mesh that settles with an angle below this, radians, goes on so often with thin triangles costing more.
+const SHARP: f64 = 35.0 * std::f64::consts::PI / 180.0;
+const STIFFENINGS: u32 = 2;
 
 /// A mesh whose first points are its loops.
 #[derive(Clone, Debug, PartialEq)]
@@ -133,10 +139,10 @@ fn curves(loops: &[Spline], wanted: usize) -> Result<Vec<Curve<'_>>, LeafError> 
 fn fitted<'a>(curves: &'a [Curve<'a>], wanted: usize) -> Result<(Rim<'a>, f64), LeafError> {
     let area: f64 = curves.iter().map(Curve::area).sum();
     let mut spacing = (area / 0.75f64.sqrt() / wanted as f64).sqrt();
-    let mut rim = Rim::fitted(curves, spacing)?;
+    let mut rim = Rim::fitted(curves, spacing, PLANNED.among(wanted))?;
     let triangles = (2 * (wanted + curves.len())).saturating_sub(4 + rim.loops().concat().len()).max(wanted / 2);
     spacing = (2.0 * area / 0.75f64.sqrt() / triangles as f64).sqrt();
-    rim = Rim::fitted(curves, spacing)?;
+    rim = Rim::fitted(curves, spacing, PLANNED.among(wanted))?;
     Ok((rim, spacing))
 }
 
@@ -157,7 +163,7 @@ impl<'a> Rounds<'a> {
     }
 
     fn run(mut self, iterations: u32) -> Result<Remesh, LeafError> {
-        let mut idle = 0;
+        let (mut idle, mut stiffenings) = (0, 0);
         for round in 1..=iterations {
             let before = self.mesher.clone();
             let mut settled = self.round();
@@ -170,7 +176,11 @@ impl<'a> Rounds<'a> {
             idle = if self.keep_better() { 0 } else { idle + 1 };
             self.best.rounds = round;
             if settled || idle == IDLE {
-                break;
+                if stiffenings == STIFFENINGS || self.best.quality.min_angle > SHARP {
+                    break;
+                }
+                self.mesher.stiffen();
+                (idle, stiffenings) = (0, stiffenings + 1);
             }
         }
         self.best.topology = Topology::of(self.best.topology.triangles.into_iter());

@@ -9,7 +9,7 @@ use crate::leaf::remesh::curve::Curve;
 use crate::leaf::remesh::rim::Rim;
 
 /// A vertex is set off by at most this share of the spacing.
-const FARTHEST: f64 = 0.2;
+const FARTHEST: f64 = 0.12;
 
 impl Rim<'_> {
     /// Sets every vertex off by what the chords beside it cut off, so that area is kept place by place: half of each, all of
@@ -27,7 +27,7 @@ impl Rim<'_> {
         let missing = self.curves.iter().map(Curve::area).sum::<f64>() - enclosed;
         let across = |&v: &u32| {
             let [a, c] = self.beside(v).map(|w| self.at(w, self.arc(w)));
-            let stays = self.is_corner(v) || self.spots[v as usize].is_frozen;
+            let stays = self.is_fixed(v) || self.spots[v as usize].is_frozen;
             if stays { DVec2::zeros() } else { DVec2::new(c.y - a.y, a.x - c.x) }
         };
         let across: Vec<DVec2> = all.iter().map(across).collect();
@@ -38,21 +38,16 @@ impl Rim<'_> {
         }
     }
 
-    /// Whether a vertex stands on a corner of its curve.
-    fn is_corner(&self, v: u32) -> bool {
-        self.is_fixed(v) && !self.is_first(v)
-    }
-
     fn set_off_by(&self, v: u32, spacing: f64) -> DVec2 {
         if self.spots[v as usize].is_frozen {
             return self.spots[v as usize].shift;
         }
-        if self.is_corner(v) {
+        if self.is_fixed(v) {
             return DVec2::zeros();
         }
         let [before, after] = self.beside(v);
         let cut = |v: u32, next: u32| self.curve(v).cut(self.arc(v), self.arc(next));
-        let share = |other: u32| if self.is_corner(other) { 1.0 } else { 0.5 };
+        let share = |other: u32| if self.is_fixed(other) { 1.0 } else { 0.5 };
         let [a, b, c] = [before, v, after].map(|v| self.curve(v).at(self.arc(v)));
         let across = (c - a).norm().max(((b - a).norm() + (c - b).norm()) * 0.35);
         let area = 2.0 * (cut(before, v) * share(before) + cut(v, after) * share(after));

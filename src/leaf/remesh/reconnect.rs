@@ -10,6 +10,10 @@ use crate::leaf::remesh::triangulation::corner_angle;
 
 /// Vertices of a triangle that costs more are tried though their triangle counts are right.
 const POOR: f64 = 0.5;
+/// So are rim vertices where the curve's straying costs more, and vertices are tried where it strays by this share of the
+/// spacing.
+const STRAYED: f64 = 0.2;
+const FAR: f64 = 0.065;
 /// A trial may raise the squared misses by this.
 const LEEWAY: i64 = 2;
 
@@ -49,12 +53,13 @@ impl Mesher<'_> {
         ((corner_angle(a, b, c) / std::f64::consts::FRAC_PI_3).round() as i64).clamp(1, 5)
     }
 
-    /// Whether a vertex has a triangle that costs much.
+    /// Whether a vertex has a triangle that costs much, or the curve strays from it.
     fn is_poor(&self, v: u32) -> bool {
         let mut fan = Vec::new();
         self.web.fan(v, &mut fan);
         let p = self.web.point(v);
-        fan.iter().any(|&(_, a, b)| self.energy.of(p, self.web.point(a), self.web.point(b)) > POOR)
+        let strayed = self.rim.holds(v) && self.straying_cost(v) > STRAYED;
+        strayed || fan.iter().any(|&(_, a, b)| self.energy.of(p, self.web.point(a), self.web.point(b)) > POOR)
     }
 
     /// Tries changes at all vertices with a wrong number of triangles that were not tried since something changed there; how
@@ -100,12 +105,35 @@ impl Mesher<'_> {
         let mut changes = Vec::new();
         if self.count.may_grow() {
             let open = [before, v].into_iter().filter(|&v| self.rim.may_come(v));
-            changes.extend(open.map(|v| (1, Change::SplitRim(v))));
+            changes.extend(open.map(|v| (1, Change::SplitRim(v, self.midway(v)))));
         }
         if self.count.may_shrink() && self.rim.may_go(v) {
             changes.extend([before, after].map(|w| (0, Change::CollapseRim(v, w))));
         }
+        for start in [before, v] {
+            changes.extend(self.at_the_farthest(v, start));
+        }
         changes
+    }
+
+    /// Where the curve strays most from the chord that starts at `start`: `v` moved there, and a new vertex.
+    fn at_the_farthest(&self, v: u32, start: u32) -> Vec<(i64, Change)> {
+        let ends = [start, self.rim.beside(start)[1]];
+        let curve = self.rim.curve(start);
+        let (far, arc) = curve.farthest(ends.map(|v| self.rim.arc(v)), ends.map(|v| self.web.point(v)));
+        if far < FAR * self.spacing {
+            return Vec::new();
+        }
+        let moved = (self.rim.slides(v) && !self.rim.is_first(v)).then_some((1, Change::Stand(v, arc)));
+        let comes = self.count.may_grow() && self.rim.may_come(start);
+        moved.into_iter().chain(comes.then_some((2, Change::SplitRim(start, arc)))).collect()
+    }
+
+    /// The arc length half way between a rim vertex and the next.
+    fn midway(&self, v: u32) -> f64 {
+        let (start, end) = (self.rim.arc(v), self.rim.arc(self.rim.beside(v)[1]));
+        let length = if end <= start { self.rim.curve(v).length() } else { 0.0 };
+        self.rim.curve(v).wrapped((start + end + length) * 0.5)
     }
 
     /// Changes of the edge opposite to a corner of a triangle that do not make the triangle counts much worse, with what they

@@ -8,6 +8,7 @@ use crate::base::vector::DVec2;
 use crate::leaf::remesh::energy::{Energy, Slope};
 use crate::leaf::remesh::reconnect::Count;
 use crate::leaf::remesh::rim::Rim;
+use crate::leaf::remesh::straying::{SLID, Straying};
 use crate::leaf::remesh::trial::Marks;
 use crate::leaf::remesh::web::Web;
 
@@ -15,8 +16,10 @@ use crate::leaf::remesh::web::Web;
 const REST: f64 = 1e-3;
 /// How often a Newton step is halved.
 const HALVINGS: u32 = 4;
-/// What the square of the curve's straying from a chord (in spacings) costs: keeps vertices on round tips and sinuses.
-const STRAYING: f64 = 10.0;
+/// What the triangles of a rim vertex may cost beyond twice their cost when it is set off the curve anew.
+const MISFIT: f64 = 3.0;
+/// The first vertex of a loop does not slide farther than this share of the spacing from its first key.
+const ASIDE: f64 = 0.15;
 /// First and longest slide along the curve, in spacings.
 const SLIDE: f64 = 0.04;
 
@@ -32,6 +35,8 @@ pub struct Mesher<'a> {
     pub rim: Rim<'a>,
     /// The cost of a triangle.
     pub energy: Energy,
+    /// The cost of the curve's straying from a chord: keeps vertices on tips and sinuses.
+    pub straying: Straying,
     /// Aim of the edges' length.
     pub spacing: f64,
     /// How many vertices there may be.
@@ -52,6 +57,7 @@ impl<'a> Mesher<'a> {
     pub fn new(web: Web, rim: Rim<'a>, spacing: f64, count: Count) -> Self {
         Self {
             energy: Energy::of_spacing(spacing),
+            straying: SLID.among(count.now),
             awake: vec![true; web.places()],
             tried: vec![false; web.places()],
             marks: Marks::default(),
@@ -61,6 +67,17 @@ impl<'a> Mesher<'a> {
             rim,
             spacing,
             count,
+        }
+    }
+
+    /// Makes thin triangles cost more, and has their vertices tried and moved again.
+    pub fn stiffen(&mut self) {
+        self.energy.stiffen();
+        for (_, corners) in self.web.triangles() {
+            let [a, b, c] = corners.map(|v| self.web.point(v));
+            if self.energy.is_thin(a, b, c) {
+                corners.iter().for_each(|&v| (self.awake[v as usize], self.tried[v as usize]) = (true, false));
+            }
         }
     }
 
@@ -142,7 +159,9 @@ impl<'a> Mesher<'a> {
             0.0
         };
         let target = curve.wrapped(arc + best * slide);
-        let gains = best != 0.0 && cost(target) < here;
+        let aside = |arc: f64| arc.min(length - arc);
+        let strays = self.rim.is_first(v) && aside(target) > aside(arc).max(ASIDE * self.spacing);
+        let gains = best != 0.0 && !strays && cost(target) < here;
         let next = (if best.abs() > 0.5 { slide * 2.0 } else { slide * 0.5 }).max(1e-3 * self.spacing);
         self.rim.move_to(v, if gains { target } else { arc }, next);
         if !gains {
@@ -156,7 +175,7 @@ impl<'a> Mesher<'a> {
     fn straying_beside(&self, v: u32, here: (f64, DVec2), [before, after]: [(f64, DVec2); 2]) -> f64 {
         let straying = |a: (f64, DVec2), b: (f64, DVec2)| {
             let straying = self.rim.curve(v).straying([a.0, b.0], [a.1, b.1]) / self.spacing;
-            STRAYING * straying * straying
+            self.straying.of(straying)
         };
         straying(before, here) + straying(here, after)
     }
@@ -174,7 +193,7 @@ impl<'a> Mesher<'a> {
         for v in self.rim.loops().into_iter().flatten() {
             self.look_round(v);
             let (here, there) = (self.web.point(v), self.rim.at(v, self.rim.arc(v)));
-            if self.cost_at(there) < 2.0 * self.cost_at(here) + 0.1 {
+            if self.cost_at(there) < 2.0 * self.cost_at(here) + MISFIT {
                 self.web.place(v, there);
             } else {
                 self.rim.keep_off(v, here);

@@ -5,6 +5,7 @@ use crate::leaf::LeafError;
 use crate::leaf::polygon;
 use crate::leaf::remesh::curve::Curve;
 use crate::leaf::remesh::ring;
+use crate::leaf::remesh::straying::Straying;
 
 /// How often chords that cross are halved.
 const HALVINGS: u32 = 14;
@@ -21,7 +22,7 @@ pub(super) struct Spot {
     beside: [u32; 2],
     /// Arc length on the curve.
     arc: f64,
-    /// Whether it does not slide: the first of each loop, and corners of the curve.
+    /// Whether it does not slide: corners of the curve.
     is_fixed: bool,
     /// Whether it and the chords beside it stay as they are.
     pub(super) is_frozen: bool,
@@ -47,7 +48,7 @@ pub struct Rim<'a> {
     pub(super) curves: &'a [Curve<'a>],
     /// By vertex; inner vertices after the last entry.
     pub(super) spots: Vec<Spot>,
-    /// The vertex that starts each loop, at arc length 0 of its curve; it stays.
+    /// The vertex that starts each loop, nearest arc length 0 of its curve; it is never taken out.
     firsts: Vec<u32>,
     /// What a trial replaced, and the number of entries before it.
     log: Option<(Vec<(u32, Spot)>, usize)>,
@@ -58,8 +59,8 @@ impl<'a> Rim<'a> {
     ///
     /// # Errors
     /// [`LeafError::Mesh`] when the curves themselves touch or cross.
-    pub fn fitted(curves: &'a [Curve<'a>], spacing: f64) -> Result<Self, LeafError> {
-        let mut rings: Vec<Vec<f64>> = curves.iter().map(|curve| ring::fitted(curve, spacing)).collect();
+    pub fn fitted(curves: &'a [Curve<'a>], spacing: f64, straying: Straying) -> Result<Self, LeafError> {
+        let mut rings: Vec<Vec<f64>> = curves.iter().map(|curve| ring::fitted(curve, spacing, straying)).collect();
         for _ in 0..HALVINGS {
             let polygons: Vec<Vec<DVec2>> =
                 rings.iter().zip(curves).map(|(ring, curve)| ring.iter().map(|&arc| curve.at(arc)).collect()).collect();
@@ -76,12 +77,15 @@ impl<'a> Rim<'a> {
         let mut rim = Self { curves, spots: Vec::new(), firsts: Vec::new(), log: None };
         for (number, ring) in rings.iter().enumerate() {
             let (first, count) = (rim.spots.len(), ring.len());
+            let off = |&i: &usize| ring[i].min(curves[number].length() - ring[i]);
+            let start = (0..count).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
+            let ring = [&ring[start..], &ring[..start]].concat();
             rim.firsts.push(first as u32);
             rim.spots.extend(ring.iter().enumerate().map(|(i, &arc)| Spot {
                 owner: number as u32,
                 beside: [i + count - 1, i + 1].map(|i| (first + i % count) as u32),
                 arc,
-                is_fixed: arc == 0.0 || curves[number].corners().contains(&arc),
+                is_fixed: curves[number].corners().contains(&arc),
                 slide: f64::INFINITY,
                 ..INNER
             }));
@@ -98,7 +102,7 @@ impl<'a> Rim<'a> {
         self.spots.get(v as usize).is_some_and(|spot| spot.owner != NONE)
     }
 
-    /// Whether a vertex lies on the outline, and is the first or a corner.
+    /// Whether a vertex lies on a corner of the outline.
     pub(super) fn is_fixed(&self, v: u32) -> bool {
         self.spots.get(v as usize).is_some_and(|spot| spot.is_fixed)
     }
@@ -213,12 +217,16 @@ impl<'a> Rim<'a> {
     }
 
     /// Vertex `new` stands between `v` and the next: on a corner if the curve has one there, else half way.
-    pub fn insert(&mut self, v: u32, new: u32) -> DVec2 {
+    pub fn insert(&mut self, v: u32, new: u32, arc: f64) -> DVec2 {
         let (spot, curve) = (self.spots[v as usize], self.curve(v));
         let after = spot.beside[1];
         let end = self.arc(after) + if self.arc(after) <= spot.arc { curve.length() } else { 0.0 };
-        let corner = curve.corners().iter().copied().find(|&corner| corner > spot.arc && corner < end);
-        let arc = corner.unwrap_or(curve.wrapped((spot.arc + end) * 0.5));
+        let corner = curve
+            .corners()
+            .iter()
+            .flat_map(|&corner| [corner, corner + curve.length()])
+            .find(|&corner| corner > spot.arc && corner < end);
+        let arc = curve.wrapped(corner.unwrap_or(arc));
         let shift =
             if corner.is_some() { DVec2::zeros() } else { (spot.shift + self.spots[after as usize].shift) * 0.5 };
         let count = self.spots.len().max(new as usize + 1);
@@ -227,6 +235,12 @@ impl<'a> Rim<'a> {
         self.change(v, |spot| spot.beside[1] = new);
         self.change(after, |spot| spot.beside[0] = new);
         self.at(new, arc)
+    }
+
+    /// Stands a vertex on its curve at an arc length.
+    pub fn stand(&mut self, v: u32, arc: f64) -> DVec2 {
+        self.change(v, |spot| (spot.arc, spot.shift, spot.slide) = (arc, DVec2::zeros(), f64::INFINITY));
+        self.at(v, arc)
     }
 
     /// Takes a vertex out of its loop.
@@ -244,8 +258,8 @@ fn halve(rings: &mut [Vec<f64>], curves: &[Curve], chords: &[(usize, usize)]) {
         let mut more: Vec<usize> = chords.iter().filter(|chord| chord.0 == number).map(|chord| chord.1).collect();
         more.sort_unstable();
         more.dedup();
-        let end = |i: usize| ring.get(i + 1).copied().unwrap_or(curves[number].length());
-        let middles: Vec<f64> = more.into_iter().map(|i| (ring[i] + end(i)) * 0.5).collect();
+        let ahead = |i: usize| curves[number].wrapped(ring[(i + 1) % ring.len()] - ring[i]);
+        let middles: Vec<f64> = more.into_iter().map(|i| curves[number].wrapped(ring[i] + ahead(i) * 0.5)).collect();
         ring.extend(middles);
         ring.sort_by(f64::total_cmp);
     }

@@ -15,8 +15,10 @@ pub enum Change {
     Split(u32, usize),
     /// The first vertex is drawn into the second.
     Collapse(u32, u32),
-    /// A rim edge gets a vertex between this one and the next.
-    SplitRim(u32),
+    /// A rim edge gets a vertex between this one and the next, at an arc length of the curve.
+    SplitRim(u32, f64),
+    /// A rim vertex stands at another arc length.
+    Stand(u32, f64),
     /// The first rim vertex is drawn into the second, its neighbour on the loop.
     CollapseRim(u32, u32),
 }
@@ -75,7 +77,8 @@ impl Mesher<'_> {
         let centre = match change {
             Change::Flip(t, i) | Change::Split(t, i) => self.web.diamond(t, i)?.0.to_vec(),
             Change::Collapse(v, w) | Change::CollapseRim(v, w) => vec![v, w],
-            Change::SplitRim(v) => vec![v, self.rim.beside(v)[1]],
+            Change::Stand(v, _) => vec![v],
+            Change::SplitRim(v, _) => vec![v, self.rim.beside(v)[1]],
         };
         let mut patch = self.patch(&centre);
         let before = {
@@ -90,7 +93,7 @@ impl Mesher<'_> {
         self.awake.resize(self.web.places(), true);
         better.then(|| {
             match change {
-                Change::Flip(..) => {}
+                Change::Flip(..) | Change::Stand(..) => {}
                 Change::Split(..) | Change::SplitRim(..) => self.count.now += 1,
                 Change::Collapse(..) | Change::CollapseRim(..) => self.count.now -= 1,
             }
@@ -123,9 +126,14 @@ impl Mesher<'_> {
                 let [_, a, b] = [0, 1, 2].map(|k| self.web.corners(t)[(i + k) % 3]);
                 self.web.split(t, i, middle(&self.web, a, b))
             }
-            Change::SplitRim(v) => {
+            Change::Stand(v, arc) => {
+                let point = self.rim.stand(v, arc);
+                self.web.place(v, point);
+                return true;
+            }
+            Change::SplitRim(v, arc) => {
                 let new = self.web.places() as u32;
-                let point = self.rim.insert(v, new);
+                let point = self.rim.insert(v, new, arc);
                 let mut fan = Vec::new();
                 self.web.fan(v, &mut fan);
                 let t = fan[0].0;
@@ -144,7 +152,7 @@ impl Mesher<'_> {
             return false;
         }
         let hopeless = match change {
-            Change::Flip(..) => [2.5, 1.0, 0.4, 0.0],
+            Change::Flip(..) | Change::Stand(..) => [2.5, 1.0, 0.4, 0.0],
             Change::Split(..) | Change::SplitRim(..) => [5.0, 2.0, 0.6, 0.0],
             Change::Collapse(..) | Change::CollapseRim(..) => [1.2, 0.4, 0.15, 0.0],
         };
