@@ -1,11 +1,11 @@
 use super::scanned::{Evidence, scanned};
 use super::*;
 use crate::base::blade::Vein;
-use crate::base::picture::Picture;
-use crate::base::vector::DVec2;
 use crate::base::limits::Limits;
 use crate::base::maths::{cos, sincos};
+use crate::base::picture::Picture;
 use crate::base::random::hash;
+use crate::base::vector::DVec2;
 use crate::leaf::{Settings, Venation, mask, polygon, trace};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
