@@ -102,10 +102,11 @@ impl Energy {
         };
         let fall = (shape + SIZE * inverse) * over;
         let gradient = sides + area * (SIZE * self.inverse_area - fall);
-        slope.add_square(plain, WORST, gradient, bend(fall));
+        let bent = bend(fall);
+        slope.add_square(plain, WORST, gradient, bent);
         slope.value += plain;
         slope.gradient += gradient;
-        (0..3).for_each(|k| slope.bend[k] += bend(fall)[k]);
+        (0..3).for_each(|k| slope.bend[k] += bent[k]);
         let thin = shape - POINTED;
         if thin > 0.0 {
             slope.add_square(thin, self.thin, sides - area * (shape * over), bend(shape * over));

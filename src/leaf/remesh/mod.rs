@@ -65,7 +65,7 @@ const QUIET: f64 = 0.02;
 /// Rounds end when no vertex moves by more than this, and no change was kept.
 const SETTLED: f64 = 2e-3;
 /// Rounds also end when so many in a row brought nothing better.
-const IDLE: u32 = 16;
+const IDLE: u32 = 14;
 /// A mesh that settles with an angle below this, radians, goes on so often with thin triangles costing more.
 const SHARP: f64 = 35.0 * std::f64::consts::PI / 180.0;
 const STIFFENINGS: u32 = 2;

@@ -13,7 +13,7 @@ const POOR: f64 = 0.5;
 /// So are rim vertices where the curve's straying costs more, and vertices are tried where it strays by this share of the
 /// spacing.
 const STRAYED: f64 = 0.2;
-const FAR: f64 = 0.065;
+const FAR: f64 = 0.08;
 /// A trial may raise the squared misses by this.
 const LEEWAY: i64 = 2;
 
