@@ -26,7 +26,7 @@ pub(super) fn view(scene: &Scene, exposure: f32) -> View {
             _ => ToneMap::None,
         },
         wireframe: (scene.image.wireframe > 0.0)
-            .then(|| Wireframe { width: scene.image.wireframe as f32, colour: LINES }),
+            .then_some(Wireframe { width: scene.image.wireframe as f32, colour: LINES }),
     }
 }
 

@@ -41,7 +41,7 @@ pub fn text(settings: &Settings, scan: &str) -> String {
     let _ = writeln!(text, "mask = \"{MASK}\"  # white stays, black moves most: paint over it as you like");
     let _ = writeln!(text, "texture = \"{TEXTURE}\"");
     if !settings.petiole.is_empty() {
-        let _ = write!(text, "petiole = [{}]  # x, y, width\n", points(&settings.petiole));
+        let _ = writeln!(text, "petiole = [{}]  # x, y, width", points(&settings.petiole));
     }
     let _ = writeln!(text, "outline = [{}]", points(settings.outline.as_deref().unwrap_or_default()));
     if !settings.holes.is_empty() {
