@@ -19,6 +19,7 @@ const PICTURES: &[(&str, &str)] = &[
     ("fork", "the joint of a limb seen near: collar, smooth sides, bark's scale"),
     ("shoot", "a current shoot: leaves on petioles, opposite pairs, two-sided light"),
     ("leaf_red", "one blade: outline, curl, veins and colour of a red leaf"),
+    ("leaf_charts", "a leaf by itself: wireframe and mask; cells of a sheet"),
     ("abop-monopodial", "Honda's tree: turns, brackets and `$` of the turtle, wood without leaves"),
     ("abop-sympodial", "the tree of Aono and Kunii: the same with every apex ending in a fork"),
     ("abop-ternary", "rules on F and `!`, and wood that bends by its weight"),

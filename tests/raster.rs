@@ -159,11 +159,13 @@ fn a_wireframe_covers_its_exact_share_and_leaves_the_rest_as_it_is() {
     // Lines are blended by square roots of light.
     let root = |code: u8| f64::from(leafseason::base::maths::srgb_to_linear(f32::from(code) / 255.0)).sqrt();
     let share: f64 = changed.map(|(a, b)| 1.0 - root(b[1]) / root(a[1])).sum();
-    // The rim's four sides show half of their width, the diagonal all of it: 32 pixels a side.
-    let side = f64::from(HEIGHT) / 4.0 * 2.0;
-    let expected = 4.0 * side * 0.75 + side * 2f64.sqrt() * 1.5;
-    assert!((share / expected - 1.0).abs() < 0.04, "{share} of {expected}");
-    assert_eq!(lined.at(WIDTH / 2, HEIGHT / 2), [0, 0, 0, 255], "the diagonal passes through the middle");
+    // Each triangle is covered but for one of the same shape within, half a line's width away from its sides: 32 pixels a leg.
+    let leg = f64::from(HEIGHT) / 4.0 * 2.0;
+    let inradius = leg * (1.0 - 0.5f64.sqrt());
+    let open = 1.0 - 0.75 / inradius;
+    let expected = leg * leg * (1.0 - open * open);
+    assert!((share / expected - 1.0).abs() < 0.025, "{share} of {expected}");
+    assert_eq!(lined.at(WIDTH / 2, HEIGHT / 2 - 1), [0, 0, 0, 255], "the diagonal passes through the middle");
     assert_eq!(lined.at(WIDTH / 2 + 8, HEIGHT / 2 + 2), plain.at(WIDTH / 2 + 8, HEIGHT / 2 + 2));
 }
 

@@ -68,5 +68,5 @@ fn faults_of_cells_are_told_where_they_stand() {
     let found = refused("species = \"red-maple\"\nseeds = [1, 2]\n[[cells]]\nseed = 3\n");
     assert!(found[0].contains("a sheet of `seeds` has no [[cells]]"), "{found:#?}");
     let found = refused("species = \"red-maple\"\ntime = { from = 0, to = 3 }\n[[cells]]\ntime.to = 5\n");
-    assert!(found[0].starts_with("4:6: error: ") && found[0].contains("has 6 frames, the sheet has 4"), "{found:#?}");
+    assert!(found[0].starts_with("4:1: error: ") && found[0].contains("has 6 frames, the sheet has 4"), "{found:#?}");
 }

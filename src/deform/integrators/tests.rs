@@ -20,7 +20,7 @@ fn blade() -> FlatMesh {
 }
 
 fn settings() -> shell::Settings {
-    shell::Settings { thickness: 0.05, curl: 3.0, ..shell::Settings::default() }
+    shell::Settings { thickness: 0.05, curl: 3.0, roll: 0.5, cupping: 0.15, ..shell::Settings::default() }
 }
 
 fn error(method: Method) -> f64 {
