@@ -123,7 +123,7 @@ pub struct Leaf {
     /// A hand-traced outline and veins, to tell how far the trace is from them.
     #[arg(long, value_name = "FILE.json")]
     pub truth: Option<PathBuf>,
-    /// Overrides a key of [leaf]; may be repeated. Example: --set leaf.vertices=1000
+    /// Overrides a key of the table `leaf`; may be repeated. Example: --set leaf.vertices=1000
     #[arg(long, value_name = "leaf.KEY=VALUE")]
     pub set: Vec<Override>,
     /// Writes a report as JSON.

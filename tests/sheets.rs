@@ -65,6 +65,15 @@ fn faults_of_cells_are_told_where_they_stand() {
     assert!(found[0].starts_with("3:20: error: `cells.0.climate.humidity` is 3"), "{found:#?}");
     assert!(found[1].starts_with("5:30: error: the camera's `far`"), "{found:#?}");
     assert!(found[2].starts_with("6:1: error: `foo` is not known"), "{found:#?}");
+    let found =
+        refused("species = \"red-maple\"\n[[cells]]\nimage.samples = 5\n[[cells]]\nimage.samples = 7\nseeds = [1]\n");
+    let begins = ["3:17: error: 5 samples", "5:17: error: 7 samples", "6:1: error: `seeds` is not known"];
+    assert!(
+        found.len() == 3 && begins.iter().all(|begin| found.iter().any(|line| line.starts_with(begin))),
+        "{found:#?}"
+    );
+    let found = refused("species = \"red-maple\"\nleaf.file = \"absent.toml\"\n[[cells]]\n[[cells]]\n");
+    assert_eq!(found.len(), 1, "{found:#?}");
     let found = refused("species = \"red-maple\"\nseeds = [1, 2]\n[[cells]]\nseed = 3\n");
     assert!(found[0].contains("a sheet of `seeds` has no [[cells]]"), "{found:#?}");
     let found = refused("species = \"red-maple\"\ntime = { from = 0, to = 3 }\n[[cells]]\ntime.to = 5\n");

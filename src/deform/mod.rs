@@ -1,6 +1,6 @@
 //! The deformation stage: a flat leaf -> one curled shape for each state and variant that a leaf wears.
 //!
-//! Two models: [`shell`] (a sheet that dries, solved for its shape of least energy) and [`paper`] (the mass-spring system of
+//! Two models: [`shell`] (a sheet that dries, solved for its shape of least energy) and `paper` (the mass-spring system of
 //! Tang, Wu and Fan 2013, snapshots of a run). [`integrators`] has other ways to the shell's shapes, for comparison.
 
 mod cholesky;

@@ -35,6 +35,7 @@ pub fn text(settings: &Settings, scan: &str) -> String {
         "length = {:?}  # from the joint to the farthest tip; another one scales the leaf",
         settings.length
     );
+    text.push_str(&changed(settings));
     if let Some([x, y]) = settings.joint {
         let _ = writeln!(text, "joint = [{x:.2}, {y:.2}]  # pixels of the scan, from its upper left corner");
     }
@@ -55,6 +56,15 @@ pub fn text(settings: &Settings, scan: &str) -> String {
         let _ = writeln!(text, "points = [{}]", points(line));
     }
     text
+}
+
+/// Keys that decide the blade and differ from their defaults.
+fn changed(settings: &Settings) -> String {
+    let json = |settings: &Settings| serde_json::to_value(settings).unwrap_or_default();
+    let (own, default) = (json(settings), json(&Settings::default()));
+    let keys = ["corner", "venation", "meshing", "vertices", "iterations"];
+    // Numbers and plain words are written alike in JSON and TOML.
+    keys.iter().filter(|key| own[**key] != default[**key]).map(|key| format!("{key} = {}\n", own[*key])).collect()
 }
 
 fn points<const N: usize>(points: &[[f64; N]]) -> String {
@@ -88,6 +98,9 @@ mod tests {
             ],
             joint: Some([100.25, 30.5]),
             length: 81.5,
+            corner: 100.0,
+            vertices: 777,
+            venation: crate::leaf::Venation::Pinnate,
             mask: Some(MASK.to_owned()),
             texture: Some(TEXTURE.to_owned()),
             ..Settings::default()

@@ -163,6 +163,29 @@ fn a_traced_leaf_written_to_a_file_gives_the_same_blade() {
     assert_eq!(blade, found.blade);
 }
 
+#[test]
+fn a_texture_of_its_own_stands_before_the_scan_s() {
+    let picture = painted();
+    let blue = Picture::filled(32, 32, [10, 20, 200, 255]);
+    let pictures = Pictures { picture: Some(&picture), texture: Some(&blue), mask: None };
+    let (blade, _) = model(&Settings::default(), pictures, &Limits::default()).unwrap();
+    assert_eq!(blade.scan, Some(blue));
+    let clear = Picture::filled(32, 32, [10, 20, 200, 0]);
+    let pictures = Pictures { texture: Some(&clear), ..Pictures::default() };
+    assert!(matches!(model(&maple(), pictures, &Limits::default()), Err(LeafError::Settings(_))));
+}
+
+#[test]
+fn lists_that_make_no_sense_are_told() {
+    let told = |settings: Settings| check(&settings).first().map(|one| one.key.clone()).unwrap_or_default();
+    assert_eq!(told(Settings { petiole: vec![[0.0, 0.0, 1.0], [0.0, -5.0, -1.0]], ..maple() }), "petiole.1");
+    let vein = VeinLine { points: vec![[0.0, 0.0]], ..VeinLine::default() };
+    assert_eq!(told(Settings { veins: vec![vein.clone()], ..maple() }), "veins.0");
+    assert_eq!(told(Settings { veins: vec![vein; 6000], ..maple() }), "veins");
+    assert_eq!(told(Settings { outline: Some(vec![[0.0, 1.0]; 30_000]), ..maple() }), "outline");
+    assert_eq!(told(maple()), "");
+}
+
 #[derive(serde::Deserialize)]
 struct Truth {
     blade: Vec<[f64; 2]>,

@@ -3,7 +3,7 @@
 use super::files::WriteError;
 use super::frame_list::ExpansionFault;
 use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault};
-use crate::base::limits::Refusal;
+use crate::base::limits::{Limit, Refusal};
 use crate::base::settings::Complaint;
 use crate::deform::DeformError;
 use crate::export::ExportError;
@@ -89,11 +89,16 @@ pub fn deform(species: &Species, error: &DeformError) -> Diagnostics {
         DeformError::Diverged { .. } | DeformError::Stretched { .. } => {
             ("deform.force", "lower deform.force or raise deform.stiffness")
         }
-        DeformError::NotSettled { .. } => ("deform.shell", "lower deform.shell.curl, or raise deform.shell.thickness"),
+        DeformError::NotSettled { .. } => {
+            ("deform.shell", "lower deform.shell.curl, or raise deform.shell.thickness or deform.shell.iterations")
+        }
         DeformError::Empty | DeformError::Degenerate { .. } => {
             ("leaf", "give the leaf another outline or other vertices")
         }
-        DeformError::Refused(refusal) => return refused(&species.places, "deform.steps", refusal),
+        DeformError::Refused(refusal) => {
+            let key = if refusal.limit == Limit::Memory { "leaf.vertices" } else { "deform.steps" };
+            return refused(&species.places, key, refusal);
+        }
     };
     Diagnostic::error(Fault::Scene, error.to_string(), help).at(species.places.of(key)).into()
 }

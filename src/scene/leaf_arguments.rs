@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
 /// Keys that name another leaf, or pictures of one: the command's own argument is the scan.
-const OTHERS: [&str; 5] = ["outline", "picture", "mask", "texture", "file"];
+const OTHERS: [&str; 7] = ["outline", "holes", "petiole", "picture", "mask", "texture", "file"];
 
 /// Reads assignments as settings of `[leaf]`.
 ///

@@ -97,7 +97,11 @@ impl Reader<'_> {
     }
 
     fn take(&mut self, checker: Checker<'_>) {
-        self.findings.extend(checker.findings);
+        for finding in checker.findings {
+            if !self.findings.iter().any(|known| known.diagnostic == finding.diagnostic) {
+                self.findings.push(finding);
+            }
+        }
         self.places.extend(checker.places);
     }
 
@@ -115,7 +119,10 @@ impl Reader<'_> {
             self.places.extend(own);
             let mut layered = above.clone();
             layers::lay(&mut layered, cell);
+            let known = self.findings.len();
             let cell = self.resolve_one(source, layered);
+            // The same key may be at fault in several cells.
+            self.findings[known..].iter_mut().for_each(|finding| finding.path.insert_str(0, &begin));
             scene = scene.zip(cell).map(|(mut scene, cell)| {
                 scene.cells.push(cell);
                 scene

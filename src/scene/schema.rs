@@ -13,8 +13,24 @@ pub fn scene() -> Schema {
                sheet's `output` counts), laid over it and drawn in a cell of one picture of the image's size, row by row.";
     let kind = Kind::List(Box::new(Kind::Table(cell())), 1, sheet::MOST_CELLS);
     let key = Key { name: "cells", doc: doc.to_owned(), unit: "", range: None, kind, default: Value::Null };
+    scene.keys.push(seeds());
     scene.keys.push(key);
     scene
+}
+
+/// The key of a contact sheet of seeds.
+fn seeds() -> Key {
+    Key {
+        name: "seeds",
+        doc: "A contact sheet to choose from: the scene once with each of these seeds, in the cells of one picture of \
+              the image's size, the seed in each cell's corner. Stands before `seed`; no glTF file is written. To draw the one \
+              that is chosen, write `--set seed=N`."
+            .to_owned(),
+        unit: "",
+        range: Some((0.0, u64::MAX as f64)),
+        kind: Kind::List(Box::new(Kind::Integer), 1, sheet::MOST_CELLS),
+        default: Value::Null,
+    }
 }
 
 /// The keys of a scene that is no sheet of cells.
@@ -32,17 +48,6 @@ fn cell() -> Schema {
             range: Some((0.0, u64::MAX as f64)),
             kind: Kind::Integer,
             default: Value::from(1),
-        },
-        Key {
-            name: "seeds",
-            doc: "A contact sheet to choose from: the scene once with each of these seeds, in the cells of one picture of \
-                  the image's size, the seed in each cell's corner. Stands before `seed`; no glTF file is written. To draw the one \
-                  that is chosen, write `--set seed=N`."
-                .to_owned(),
-            unit: "",
-            range: Some((0.0, u64::MAX as f64)),
-            kind: Kind::List(Box::new(Kind::Integer), 1, sheet::MOST_CELLS),
-            default: Value::Null,
         },
         trees(),
         table::<season::Climate>("climate"),

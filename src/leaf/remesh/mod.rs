@@ -60,6 +60,10 @@ use web::Web;
 
 /// Share of the wanted vertices by which splits and collapses may change their number.
 const SLACK: f64 = 0.03;
+/// Most vertices that the rim may need, as a multiple of the wanted ones and on top of it: a leaf's rim takes a third of them,
+/// and a comb's rounds would never end.
+const MOST_RIM: usize = 4;
+const SPARE_RIM: usize = 400;
 /// Edges are tried with a change when no vertex moves by more than this share of the spacing.
 const QUIET: f64 = 0.02;
 /// Rounds end when no vertex moves by more than this, and no change was kept.
@@ -139,6 +143,12 @@ fn curves(loops: &[Spline], wanted: usize) -> Result<Vec<Curve<'_>>, LeafError> 
 fn fitted<'a>(curves: &'a [Curve<'a>], wanted: usize) -> Result<(Rim<'a>, f64), LeafError> {
     let area: f64 = curves.iter().map(Curve::area).sum();
     let mut spacing = (area / 0.75f64.sqrt() / wanted as f64).sqrt();
+    let needed = curves.iter().map(Curve::length).sum::<f64>() / spacing;
+    if needed > (MOST_RIM * wanted + SPARE_RIM) as f64 {
+        let what =
+            format!("the outline is too long and narrow for {wanted} vertices: its rim alone needs about {needed:.0}");
+        return Err(LeafError::Mesh { what });
+    }
     let mut rim = Rim::fitted(curves, spacing, PLANNED.among(wanted))?;
     let triangles = (2 * (wanted + curves.len())).saturating_sub(4 + rim.loops().concat().len()).max(wanted / 2);
     spacing = (2.0 * area / 0.75f64.sqrt() / triangles as f64).sqrt();

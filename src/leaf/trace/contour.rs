@@ -11,7 +11,7 @@ const HALF: u16 = FULL / 2;
 
 /// The closed half-level lines of a mask, the longest first (of equals the first from the top), in pixels with the centre of
 /// the top left pixel at (0.5, 0.5). Seen with rows running down, the mask lies to the left of a line: an outline runs
-/// counter-clockwise and has a negative [`crate::leaf::polygon::doubled_area`], the rim of a hole runs clockwise.
+/// counter-clockwise and has a negative `doubled_area`, the rim of a hole runs clockwise.
 pub fn outlined(mask: &Grid<bool>) -> Vec<Vec<DVec2>> {
     let field = blurred(&mask.padded(RIM));
     let (mut next, starts) = links(&field);

@@ -119,7 +119,11 @@ impl Reader<'_> {
 
     pub(super) fn refuse(&mut self, key: &str, species: Option<usize>, fault: Diagnostic) {
         let place = fault.place.clone().or_else(|| self.places.get(key).cloned());
-        self.findings.push(Finding { species, path: key.to_owned(), diagnostic: fault.at(place) });
+        let finding = Finding { species, path: key.to_owned(), diagnostic: fault.at(place) };
+        // Cells of a sheet share what they name.
+        if !self.findings.iter().any(|known| known.diagnostic == finding.diagnostic) {
+            self.findings.push(finding);
+        }
     }
 
     /// The table of a species: empty without one, or when it cannot be read.
