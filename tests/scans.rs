@@ -10,6 +10,7 @@ use leafseason::base::limits::Limits;
 use leafseason::base::picture::Picture;
 use leafseason::base::vector::DVec2;
 use leafseason::deform::{self, Field, Job, Model};
+use leafseason::leaf::steps::{agreement, distance_correlation};
 use leafseason::leaf::{self, Settings, Traced, Truth};
 use leafseason::scene::{self, Asset};
 use painted_leaf::{Scan, outline, painted};
@@ -99,7 +100,72 @@ fn real_scans_have_even_meshes() {
     println!("smallest angles {:.1} in the mean, {:.1} at worst", mean(angles), least(angles));
     println!("q {:.4}, 5th percentile {:.3}, edges {:.4}", mean(q_means), mean(q_lows), mean(variations));
     println!("rim {:.2} px off in the mean", mean(distances));
+    assert!(least(angles) >= 33.0, "{angles:?}");
     assert!(mean(angles) >= 37.0 && mean(q_means) >= 0.990 && mean(q_lows) >= 0.94 && mean(variations) <= 0.060);
+}
+
+#[test]
+fn veins_drawn_from_the_outline_alone_come_near_to_those_traced_by_hand() {
+    let (mut f1s, mut correlations) = (Vec::new(), Vec::new());
+    for (name, path) in shared(true) {
+        let truth = truth_of(&path).unwrap();
+        let (found, _) = traced(&read(&path), None, 220);
+        let blind = Settings { veins: Vec::new(), mask: None, texture: None, ..found.settings.clone() };
+        let (blade, figures) = leaf::model(&blind, leaf::Pictures::default(), &Limits::default()).unwrap();
+        assert_eq!(figures.values["veins"], "outline");
+        let size: [u32; 2] = found.trace.picture_size().map(|side| side as u32);
+        let tolerance = 0.03 * (found.trace.area() as f64).sqrt();
+        let pose = &found.trace.pose;
+        let f1 = agreement(&blade.veins, pose, &truth.veins, size.into(), tolerance).f1();
+        let outline: Vec<DVec2> = truth.blade.iter().map(|&p| DVec2::from(p)).collect();
+        let correlation = distance_correlation(&blade.veins, pose, &truth.veins, &outline, size.into());
+        println!("{name}: F1 {f1:.3} at 3 %, correlation of distances {correlation:.3}");
+        f1s.push(f1);
+        correlations.push(correlation);
+    }
+    assert!(f1s.is_empty() || (mean(&f1s) >= 0.70 && mean(&correlations) >= 0.40), "{f1s:?} {correlations:?}");
+}
+
+/// Whether a point lies in a polygon that may cross itself (non-zero rule).
+fn is_within(polygon: &[[f64; 2]], x: f64, y: f64) -> bool {
+    let turns = |(i, a): (usize, &[f64; 2])| {
+        let b = polygon[(i + 1) % polygon.len()];
+        let is_left = (b[0] - a[0]) * (y - a[1]) - (x - a[0]) * (b[1] - a[1]) > 0.0;
+        i32::from(a[1] <= y && b[1] > y && is_left) - i32::from(a[1] > y && b[1] <= y && !is_left)
+    };
+    polygon.iter().enumerate().map(turns).sum::<i32>() != 0
+}
+
+#[test]
+fn the_derived_mask_is_white_on_veins_traced_by_hand() {
+    for (name, path) in shared(true) {
+        let truth = truth_of(&path).unwrap();
+        let (found, _) = traced(&read(&path), None, 1000);
+        let [width, height] = found.trace.picture_size();
+        let grey = |x: usize, y: usize| {
+            let plane = found.trace.pose.plane(DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
+            let uv = found.blade.mesh.uv(plane);
+            let cell = |t: f32, side: u32| ((t.max(0.0) * side as f32) as u32).min(side - 1);
+            let mask = &found.blade.mask;
+            f64::from(mask.at(cell(uv.x, mask.width), cell(uv.y, mask.height))[0])
+        };
+        let (mut veins, mut rest) = (Vec::new(), Vec::new());
+        for (x, y) in (0..height).step_by(5).flat_map(|y| (0..width).step_by(5).map(move |x| (x, y))) {
+            let (px, py) = (x as f64 + 0.5, y as f64 + 0.5);
+            if is_within(&truth.blade, px, py) {
+                (if is_within(&truth.veins, px, py) { &mut veins } else { &mut rest }).push(grey(x, y));
+            }
+        }
+        rest.sort_by(f64::total_cmp);
+        let below = |g: &f64| {
+            let less = rest.partition_point(|r| r < g);
+            let equal = rest.partition_point(|r| r <= g) - less;
+            (less as f64 + 0.5 * equal as f64) / rest.len() as f64
+        };
+        let area = veins.iter().map(below).sum::<f64>() / veins.len() as f64;
+        println!("{name}: {:.0} on veins, {:.0} beside them, ROC area {area:.3}", mean(&veins), mean(&rest));
+        assert!(mean(&veins) >= 200.0 && area >= 0.85, "{name}: {} {area}", mean(&veins));
+    }
 }
 
 /// Vertices at the ends of the main veins, and vertices on the main veins but for their last third.

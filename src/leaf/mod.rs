@@ -54,6 +54,7 @@ pub mod steps {
     pub use super::trace::contour::outlined;
     pub use super::trace::key_points::{chosen, spline};
     pub use super::veins::scanned;
+    pub use super::veins::score::{Agreement, agreement, distance_correlation};
 }
 
 /// The pictures that the settings name, already read.
