@@ -28,7 +28,8 @@ pub fn with_leaves(scene: &Scene, stand: &Stand) -> Vec<usize> {
 /// The state of every leaf at a frame's time, in the order of the stand's ids; `names` are those of [`names`].
 pub fn assigned(scene: &Scene, stand: &Stand, names: &[String], index: i64) -> (LeafStates, Figures) {
     let day = scene.time.at(index);
-    let (mut states, mut since) = (vec![NO_STATE; stand.leaf_ids.len()], vec![0.0; stand.leaf_ids.len()]);
+    let leaves = stand.leaf_ids.len();
+    let (mut states, mut before, mut since) = (vec![NO_STATE; leaves], vec![NO_STATE; leaves], vec![0.0; leaves]);
     let mut parts = Vec::new();
     for number in with_leaves(scene, stand) {
         let species = &scene.species[number];
@@ -39,12 +40,13 @@ pub fn assigned(scene: &Scene, stand: &Stand, names: &[String], index: i64) -> (
         let own = &part.0;
         let common: Vec<u16> =
             own.names.iter().map(|name| names.binary_search(name).map_or(NO_STATE, |place| place as u16)).collect();
-        for ((&place, &state), &day) in places.iter().zip(&own.states).zip(&own.since) {
-            states[place] = common[usize::from(state)];
-            since[place] = day;
+        for (leaf, &place) in places.iter().enumerate() {
+            states[place] = common[usize::from(own.states[leaf])];
+            before[place] = common[usize::from(own.before[leaf])];
+            since[place] = own.since[leaf];
         }
         parts.push(part);
     }
     let (expected, figures) = season::mixed(names, &parts);
-    (LeafStates { names: names.to_vec(), states, since, expected }, figures)
+    (LeafStates { names: names.to_vec(), states, before, since, expected }, figures)
 }

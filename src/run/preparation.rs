@@ -20,7 +20,7 @@ use std::time::Instant;
 /// Bytes of states that are kept from the count of a frame until it is drawn; those beyond are drawn twice.
 pub(super) const KEPT_BYTES: usize = 64_000_000;
 /// Bytes of a leaf's state.
-pub(super) const STATE_BYTES: usize = 10;
+pub(super) const STATE_BYTES: usize = 12;
 
 /// A scene with one seed, whose trees have grown and whose leaves are counted. A contact sheet has one for each cell.
 pub struct Prepared {

@@ -18,6 +18,8 @@ pub struct LeafStates {
     pub names: Vec<String>,
     /// State of each leaf.
     pub states: Vec<u16>,
+    /// The state that each leaf left for its present one; its own for a leaf that has not changed yet.
+    pub before: Vec<u16>,
     /// Day on which each leaf entered its state; 0 for the first one.
     pub since: Vec<f64>,
     /// Exact share of each state on that day.
@@ -47,8 +49,9 @@ pub fn assign(settings: &Settings, climate: &Climate, seed: u64, leaves: &[u64],
     };
     let figures = figures(&chain, &moments, &expected, stepped.as_deref());
     let states = moments.iter().map(|moment| moment.state).collect();
+    let before = moments.iter().map(|moment| moment.before).collect();
     let since = moments.iter().map(|moment| moment.since).collect();
-    (LeafStates { names: chain.names, states, since, expected }, figures)
+    (LeafStates { names: chain.names, states, before, since, expected }, figures)
 }
 
 fn each(leaves: &[u64], moment: impl Fn(u64) -> Moment + Sync) -> Vec<Moment> {
