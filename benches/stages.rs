@@ -99,7 +99,13 @@ impl Inputs {
 }
 
 fn states(scene: &Scene, ids: &[u64]) -> LeafStates {
-    season::assign(&scene.species[0].season, &scene.climate, scene.seed, ids, scene.time.at(0)).0
+    let mut leaves = season::Population::new(&scene.species[0].season, &scene.weather, scene.seed);
+    let position = season::Position { height: 0.0, distance: 0.0, limb: 0, shoot: 0 };
+    leaves.add(None, None, ids.iter().map(|&id| (id, position)));
+    let (day, names) = (scene.time.at(0), leaves.names().to_vec());
+    let expected = leaves.laws(&[day]).swap_remove(0).expected;
+    let season::Sample { states, before, since, .. } = leaves.at(day);
+    LeafStates { names, states, before, since, expected }
 }
 
 fn shape_jobs(scene: &Scene, states: &[String], worn: &[Garment]) -> Vec<deform::Job> {

@@ -6,7 +6,7 @@ use crate::base::message::shown;
 use crate::compose::{Garment, Stand, variant};
 use crate::scene::image::Leaves;
 use crate::scene::{Scene, Species};
-use crate::season::LeafStates;
+use crate::season::{BUD, FALLEN, LeafStates};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -123,11 +123,6 @@ pub fn garments(scene: &Scene, stand: &Stand, states: &LeafStates) -> Vec<Option
 pub fn is_off_the_tree(state: &str) -> bool {
     state == FALLEN || state == BUD
 }
-
-/// Name of the state of a leaf that has fallen.
-pub const FALLEN: &str = "fallen";
-/// Name of the state of a leaf that is still in its bud.
-pub const BUD: &str = "bud";
 
 /// What is known of a species before anything costly is done.
 #[derive(Clone, Debug, Default)]

@@ -52,9 +52,9 @@ fn refuse_below(lines: &str, expected: &[&str]) {
 
 #[test]
 fn the_smallest_scene_and_the_starter_read_without_a_word() {
-    assert_eq!(read(GOOD, &[]).unwrap().time.day, Some(12.0));
+    assert_eq!(read(GOOD, &[]).unwrap().time.at(0), 12.0);
     let starter = scene::starter("red-maple");
-    assert_eq!(read(&starter, &[]).unwrap().time.day, Some(40.0));
+    assert_eq!(read(&starter, &[]).unwrap().time.at(0), 40.0);
     // with its examples too, one form of time at a time
     let whole =
         starter.replace("# from", "from").replace("# to", "to").replace("# step", "step").replace("day =", "# day =");
@@ -201,7 +201,8 @@ fn assignments_stand_above_the_scene_and_take_bare_words() {
     let scene = read(&text, &sets).unwrap();
     assert_eq!(scene.output.gltf, Some(scene::output::Gltf::Nodes));
     assert_eq!((scene.time.count(), scene.time.at(0)), (1.0, 3.0));
-    assert_eq!((scene.climate.humidity, scene.climate.temperature), (0.3, -4.0));
+    let day = scene.weather.days()[0];
+    assert_eq!((day.humidity, day.temperature), (0.3, -4.0));
     refuse(
         GOOD,
         &["leaf.picture=gräpe.jpg"],

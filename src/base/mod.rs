@@ -2,6 +2,7 @@
 //! describe themselves, diagnostics with places, limits and figures. Imports no other folder of the crate.
 
 pub mod blade;
+pub mod calendar;
 pub mod diagnostic;
 pub mod encoding;
 pub mod figures;

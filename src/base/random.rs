@@ -33,6 +33,12 @@ pub enum Purpose {
     Surroundings = 9,
     /// Where the trees of a grove stand and how they are turned.
     Planting = 16,
+    /// When buds open.
+    BudBreak = 20,
+    /// How fast the leaves of a limb or of a shoot pass through their season.
+    Tempo = 21,
+    /// How early or late a tree is among its fellows.
+    TreeTiming = 22,
 }
 
 /// A stream of numbers for one owner.

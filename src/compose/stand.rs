@@ -130,6 +130,8 @@ mod tests {
             order: 0,
             petiole_length: 1.0,
             segment: None,
+            limb: 0,
+            shoot: 0,
         };
         Form::new(0, Tree { sites: (0..leaves).map(site).collect(), ..Tree::default() })
     }

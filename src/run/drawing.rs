@@ -18,7 +18,7 @@ use crate::plan::{self, PlannedFrame};
 use crate::raster;
 use crate::report::{FrameReport, Report};
 use crate::scene::{Scene, camera::Subject, output::Gltf};
-use crate::season::LeafStates;
+use crate::season::{self, LeafStates};
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -228,7 +228,7 @@ impl<'a> Run<'a> {
         let mut frame = FrameReport {
             index,
             day,
-            date: None,
+            date: self.scene.weather.date(day).map(|date| date.to_string()),
             leaves: self.cells.iter().map(|cell| cell.stand.leaf_ids.len() as u64).sum(),
             states: BTreeMap::new(),
             expected: BTreeMap::new(),
@@ -255,7 +255,7 @@ impl<'a> Run<'a> {
                 states_file::append(&mut self.states_text, when, &cell.stand, states, of_sheet);
             }
         }
-        frame.fallen = frame.states.get(plan::FALLEN).copied().unwrap_or(0);
+        frame.fallen = frame.states.get(season::FALLEN).copied().unwrap_or(0);
         self.report.frames.push(frame);
     }
 }

@@ -1,12 +1,38 @@
 //! The states of all leaves of a stand, species by species: each has its own chain, the leaves their own clocks.
 
 use crate::base::figures::Figures;
+use crate::base::random::hash;
 use crate::compose::Stand;
-use crate::scene::Scene;
-use crate::season::{self, LeafStates};
+use crate::scene::{Scene, time::Time};
+use crate::season::{self, Crown, Law, LeafStates, Population, Position};
+use std::collections::BTreeMap;
 
 /// State of a leaf whose species has no seasons.
 const NO_STATE: u16 = u16::MAX;
+/// Chance of a jump in a step of the paper's rule from which its law is off by more than a hundredth.
+const LONG_STEP: f64 = 0.14;
+
+/// The leaves of all species of a scene, with what is expected of them.
+pub struct Seasons {
+    time: Time,
+    /// Names of the states of all species, sorted.
+    names: Vec<String>,
+    parts: Vec<Part>,
+    leaves: usize,
+    /// The law of all leaves at frames whose days are known.
+    laws: BTreeMap<i64, Law>,
+}
+
+/// The leaves of one species.
+struct Part {
+    /// Number of the species.
+    species: usize,
+    population: Population,
+    /// Number of each of its leaves among those of the stand.
+    places: Vec<usize>,
+    /// Number of each of its states among all.
+    common: Vec<u16>,
+}
 
 /// The names of the states of all species that have leaves, sorted.
 pub fn names(scene: &Scene, stand: &Stand) -> Vec<String> {
@@ -19,34 +45,138 @@ pub fn names(scene: &Scene, stand: &Stand) -> Vec<String> {
 }
 
 /// The numbers of the species that have leaves and seasons.
-pub fn with_leaves(scene: &Scene, stand: &Stand) -> Vec<usize> {
+fn with_leaves(scene: &Scene, stand: &Stand) -> Vec<usize> {
     let has_leaves = |number: usize| stand.standing().any(|(form, _)| form.species == number && !form.sites.is_empty());
     let has_seasons = |number: &usize| !scene.species[*number].season.states.is_empty();
     (0..scene.species.len()).filter(has_seasons).filter(|&number| has_leaves(number)).collect()
 }
 
-/// The state of every leaf at a frame's time, in the order of the stand's ids; `names` are those of [`names`].
-pub fn assigned(scene: &Scene, stand: &Stand, names: &[String], index: i64) -> (LeafStates, Figures) {
-    let day = scene.time.at(index);
-    let leaves = stand.leaf_ids.len();
-    let (mut states, mut before, mut since) = (vec![NO_STATE; leaves], vec![NO_STATE; leaves], vec![0.0; leaves]);
-    let mut parts = Vec::new();
-    for number in with_leaves(scene, stand) {
-        let species = &scene.species[number];
-        let places: Vec<usize> =
-            stand.species_of_leaves().enumerate().filter(|(_, of)| *of == number).map(|(place, _)| place).collect();
-        let ids: Vec<u64> = places.iter().map(|&place| stand.leaf_ids[place]).collect();
-        let part = season::assign(&species.season, &scene.climate, scene.seed, &ids, day);
-        let own = &part.0;
-        let common: Vec<u16> =
-            own.names.iter().map(|name| names.binary_search(name).map_or(NO_STATE, |place| place as u16)).collect();
-        for (leaf, &place) in places.iter().enumerate() {
-            states[place] = common[usize::from(own.states[leaf])];
-            before[place] = common[usize::from(own.before[leaf])];
-            since[place] = own.since[leaf];
-        }
-        parts.push(part);
+impl Seasons {
+    /// The leaves of a stand; `names` are those of [`names`].
+    pub fn new(scene: &Scene, stand: &Stand, names: &[String]) -> Self {
+        let part = |number| Part::new(scene, stand, names, number);
+        let parts = with_leaves(scene, stand).into_iter().map(part).collect();
+        Self { time: scene.time, names: names.to_vec(), parts, leaves: stand.leaf_ids.len(), laws: BTreeMap::new() }
     }
-    let (expected, figures) = season::mixed(names, &parts);
-    (LeafStates { names: names.to_vec(), states, before, since, expected }, figures)
+
+    /// Keeps what makes many frames fast, and finds the exact shares of all of them at once.
+    pub fn prepare(&mut self, frames: &[i64], keep: bool) {
+        if keep {
+            self.parts.iter_mut().for_each(|part| part.population.keep());
+        }
+        let mut order: Vec<i64> = frames.to_vec();
+        order.sort_unstable_by(|a, b| self.time.at(*a).total_cmp(&self.time.at(*b)).then(a.cmp(b)));
+        let days: Vec<f64> = order.iter().map(|&index| self.time.at(index)).collect();
+        let of_parts: Vec<Vec<Law>> = self.parts.iter().map(|part| part.population.laws(&days)).collect();
+        for (at, index) in order.into_iter().enumerate() {
+            let laws = of_parts.iter().map(|laws| &laws[at]);
+            self.laws.insert(index, mixed(self.names.len(), self.parts.iter().zip(laws)));
+        }
+    }
+
+    /// The states that leaves of a species can come to, with their numbers among all; none for a species without seasons.
+    pub fn reachable(&self, species: usize) -> Vec<(u16, bool)> {
+        let part = self.parts.iter().find(|part| part.species == species);
+        let states = part.map(|part| part.common.iter().copied().zip(part.population.reachable()));
+        states.into_iter().flatten().collect()
+    }
+
+    /// The state of every leaf at a frame's time, in the order of the stand's ids.
+    pub fn at(&mut self, index: i64) -> (LeafStates, Figures) {
+        if !self.laws.contains_key(&index) {
+            self.prepare(&[index], false);
+        }
+        let day = self.time.at(index);
+        let law = self.laws.get(&index).cloned().unwrap_or_default();
+        let leaves = self.leaves;
+        let (mut states, mut before, mut since) = (vec![NO_STATE; leaves], vec![NO_STATE; leaves], vec![0.0; leaves]);
+        let mut from_law = 0;
+        for part in &mut self.parts {
+            let sample = part.population.at(day);
+            from_law += sample.from_law;
+            for (leaf, &place) in part.places.iter().enumerate() {
+                states[place] = part.common[usize::from(sample.states[leaf])];
+                before[place] = part.common[usize::from(sample.before[leaf])];
+                since[place] = sample.since[leaf];
+            }
+        }
+        let mut figures = season::figures(&self.names, &states, &law).with("drawn_from_law", from_law);
+        self.note(day, &mut figures);
+        (LeafStates { names: self.names.clone(), states, before, since, expected: law.expected }, figures)
+    }
+
+    /// What the person should know of weather and rules.
+    fn note(&self, day: f64, figures: &mut Figures) {
+        let (mut clamped, mut days, mut longest) = (0, 0, 0.0);
+        for part in &self.parts {
+            let (outside, all) = part.population.clamped();
+            (clamped, days) = (clamped.max(outside), days.max(all));
+            longest = f64::max(longest, part.population.largest_step());
+        }
+        figures.values.insert("climate_clamped".to_owned(), (clamped > 0).into());
+        let errors = self.parts.iter().filter_map(|part| part.population.step_error(day));
+        if let Some(error) = errors.reduce(f64::max) {
+            figures.values.insert("step_error".to_owned(), error.into());
+        }
+        if clamped > 0 {
+            let corners = "outside the corners of [season] (cold to warm, dry to wet)";
+            figures.notes.push(match days {
+                1 => format!("the climate lies {corners} and counts as the nearest between them"),
+                _ => format!(
+                    "{clamped} of {days} days of the weather lie {corners} and count as the nearest between them"
+                ),
+            });
+        }
+        if longest > LONG_STEP {
+            let what = "season.step is long for these half-lives: at most one jump a step makes shares late";
+            figures.notes.push(format!("{what}; the report's `step_error` says by how much"));
+        }
+    }
+}
+
+impl Part {
+    fn new(scene: &Scene, stand: &Stand, names: &[String], number: usize) -> Self {
+        let settings = &scene.species[number].season;
+        let mut population = Population::new(settings, &scene.weather, scene.seed);
+        let mut places = Vec::new();
+        let mut first = 0;
+        for (form, standing) in stand.standing() {
+            if form.species == number {
+                let ids = &stand.leaf_ids[first..first + form.sites.len()];
+                let tree = &scene.trees[standing.entry].tree;
+                let crown = Crown::new(&settings.crown, tree.age, tree.height);
+                let key = standing.key;
+                let own = |id: u64| if key == 0 { id } else { hash(key, id) };
+                let position = |site: &crate::tree::LeafSite| Position {
+                    height: site.base.y,
+                    distance: (site.base.x * site.base.x + site.base.z * site.base.z).sqrt(),
+                    limb: own(site.limb),
+                    shoot: own(site.shoot),
+                };
+                let timing = scene.is_grove.then_some(key);
+                population.add(timing, crown.as_ref(), ids.iter().copied().zip(form.sites.iter().map(position)));
+                places.extend(first..first + form.sites.len());
+            }
+            first += form.sites.len();
+        }
+        let place = |name: &String| names.binary_search(name).map_or(NO_STATE, |place| place as u16);
+        let common = population.names().iter().map(place).collect();
+        Self { species: number, population, places, common }
+    }
+}
+
+/// The law of all leaves: the species' laws, weighted by their leaves.
+fn mixed<'a>(states: usize, parts: impl Iterator<Item = (&'a Part, &'a Law)> + Clone) -> Law {
+    let all: usize = parts.clone().map(|(part, _)| part.population.count()).sum();
+    let mut mixed = Law { expected: vec![0.0; states], variance: vec![0.0; states] };
+    for (part, law) in parts {
+        let weight = part.population.count() as f64 / all.max(1) as f64;
+        for ((&common, expected), variance) in part.common.iter().zip(&law.expected).zip(&law.variance) {
+            if let Some(sum) = mixed.expected.get_mut(usize::from(common)) {
+                *sum += weight * expected;
+                mixed.variance[usize::from(common)] += weight * variance;
+            }
+        }
+    }
+    mixed
 }

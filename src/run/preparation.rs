@@ -2,7 +2,7 @@
 
 use super::fault;
 use super::growth;
-use super::leaf_states;
+use super::leaf_states::{self, Seasons};
 use super::prediction;
 use super::stopwatch::timed;
 use crate::base::diagnostic::Diagnostics;
@@ -13,7 +13,7 @@ use crate::compose::{Garment, Stand};
 use crate::plan::{self, Counted, Plan, Roll};
 use crate::report::Report;
 use crate::scene::Scene;
-use crate::season::{self, LeafStates};
+use crate::season::LeafStates;
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
@@ -32,6 +32,8 @@ pub struct Prepared {
     pub states: Vec<String>,
     /// What is to be done.
     pub plan: Plan,
+    /// The leaves' seasons.
+    seasons: Seasons,
     /// The states of frames that are still to be drawn.
     kept: BTreeMap<i64, (LeafStates, Figures)>,
 }
@@ -68,7 +70,13 @@ pub fn prepare(cells: Vec<Scene>, asked: &Asked<'_>, report: &mut Report) -> Res
             let key = if scene.places.of("cells").is_some() { "cells" } else { "seeds" };
             allowed.map_err(|refusal| fault::refused(&scene.places, key, &refusal))?;
         }
-        let mut one = Prepared { scene, stand, states, plan: Plan::default(), kept };
+        let mut seasons = Seasons::new(&scene, &stand, &states);
+        if !states.is_empty() {
+            let start = Instant::now();
+            seasons.prepare(asked.frames, asked.frames.len() > 1);
+            report.spend("season", start.elapsed().as_secs_f64());
+        }
+        let mut one = Prepared { scene, stand, states, plan: Plan::default(), seasons, kept };
         let frames = asked.frames.iter().take_while(|_| !(asked.stop)());
         counts.push(frames.map(|&index| one.count(index, report)).collect());
         prepared.push(one);
@@ -111,10 +119,8 @@ impl Prepared {
             report.add("season", 0.0, figures);
             return Some(states);
         }
-        let (scene, stand, names) = (&self.scene, &self.stand, &self.states);
-        let made = timed(report, "season", || {
-            Ok::<_, std::convert::Infallible>(leaf_states::assigned(scene, stand, names, index))
-        });
+        let seasons = &mut self.seasons;
+        let made = timed(report, "season", || Ok::<_, std::convert::Infallible>(seasons.at(index)));
         Some(made.unwrap_or_else(|never| match never {}))
     }
 
@@ -124,7 +130,7 @@ impl Prepared {
             return Counted { index, day, ..Counted::default() };
         }
         let start = Instant::now();
-        let (states, figures) = leaf_states::assigned(&self.scene, &self.stand, &self.states, index);
+        let (states, figures) = self.seasons.at(index);
         report.spend("season", start.elapsed().as_secs_f64());
         let garments = plan::garments(&self.scene, &self.stand, &states);
         let mark = |garment: &Option<Garment>| {
@@ -139,17 +145,11 @@ impl Prepared {
     }
 
     fn rolls(&self) -> Vec<Roll> {
-        let with_leaves = leaf_states::with_leaves(&self.scene, &self.stand);
-        let roll = |(number, species): (usize, &crate::scene::Species)| {
+        let roll = |number: usize| {
             let forms = self.stand.forms.iter().filter(|form| form.species == number).count();
-            let mut roll = Roll { trees: self.stand.trees_of(number), forms, ..Roll::default() };
-            if with_leaves.contains(&number) {
-                let place = |name: &String| self.states.binary_search(name).ok().map(|place| place as u16);
-                roll.states = species.season.states.keys().filter_map(place).collect();
-                roll.reachable = season::reachable(&species.season, &self.scene.climate);
-            }
-            roll
+            let (states, reachable) = self.seasons.reachable(number).into_iter().unzip();
+            Roll { trees: self.stand.trees_of(number), forms, states, reachable }
         };
-        self.scene.species.iter().enumerate().map(roll).collect()
+        (0..self.scene.species.len()).map(roll).collect()
     }
 }

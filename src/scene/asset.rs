@@ -20,8 +20,8 @@ mod jpeg;
 mod picture;
 pub use picture::read_picture;
 
-/// Keys whose text is the path of a file.
-const KEYS: [&str; 5] = ["leaf.picture", "leaf.mask", "leaf.texture", "leaf.file", "climate.series"];
+/// Keys whose text is the path of a picture, or of a file that names pictures.
+const KEYS: [&str; 4] = ["leaf.picture", "leaf.mask", "leaf.texture", "leaf.file"];
 /// Bytes of a file for each pixel that a picture may have: more than an uncompressed PNG of 8 bits a channel takes.
 const BYTES_PER_PIXEL: f64 = 5.0;
 /// Characters of a path in a message.

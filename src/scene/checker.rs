@@ -121,6 +121,8 @@ impl<'a> Checker<'a> {
             (Kind::Integer, DeValue::Integer(_)) => self.integer(value, wanted),
             (Kind::Boolean, DeValue::Boolean(value)) => Some(Value::from(*value)),
             (Kind::Text, DeValue::String(text)) => Some(Value::from(text.as_ref())),
+            // TOML has dates of its own: `date = 2017-10-05` without quotes.
+            (Kind::Text, DeValue::Datetime(date)) => Some(Value::from(date.to_string())),
             (Kind::Choice(words), DeValue::String(text)) => self.choice(value.span(), text, words, wanted),
             (Kind::Either(kinds), found) => match kinds.iter().find(|kind| suits(kind, found)) {
                 Some(kind) => {
@@ -276,7 +278,8 @@ fn suits(kind: &Kind, value: &DeValue<'_>) -> bool {
         Kind::Number => value.is_integer() || value.is_float(),
         Kind::Integer => value.is_integer(),
         Kind::Boolean => value.is_bool(),
-        Kind::Text | Kind::Choice(_) => value.is_str(),
+        Kind::Text => value.is_str() || value.is_datetime(),
+        Kind::Choice(_) => value.is_str(),
         Kind::List(..) => value.is_array(),
         Kind::Table(_) | Kind::Map(_) => value.is_table(),
         Kind::Either(kinds) => kinds.iter().any(|kind| suits(kind, value)),

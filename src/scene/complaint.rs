@@ -1,6 +1,6 @@
 //! What the stages' checks complain of.
 
-use super::{Scene, Species, camera, image, planting, time};
+use super::{Scene, Species, camera, image, planting};
 use crate::base::settings::Complaint;
 use crate::{colour, deform, leaf, season, tree};
 
@@ -11,7 +11,6 @@ pub fn of_scene(scene: &Scene) -> Vec<(String, Complaint)> {
     let mut take = |table: &str, list: Vec<Complaint>| {
         found.extend(list.into_iter().map(|complaint| (table.to_owned(), complaint)));
     };
-    take("time", time::check(&scene.time));
     take("camera", camera::check(&scene.camera));
     take("image", image::check(&scene.image));
     for (entry, planted) in scene.trees.iter().enumerate() {
@@ -33,14 +32,14 @@ pub fn of_planting(scene: &Scene) -> Option<(String, Complaint)> {
 
 /// What is wrong with a species' tables.
 #[must_use]
-pub fn of_species(species: &Species, climate: &season::Climate) -> Vec<(&'static str, Complaint)> {
+pub fn of_species(species: &Species, weather: &season::Weather) -> Vec<(&'static str, Complaint)> {
     let has_season = !species.season.states.is_empty();
     let tables = [
         ("tree", tree::check(&species.tree)),
         ("leaf", leaf::check(&species.leaf)),
         ("deform", deform::check(&species.deform)),
         ("colour", colour::check(&species.colour)),
-        ("season", if has_season { season::check(&species.season, climate) } else { Vec::new() }),
+        ("season", if has_season { season::check(&species.season, weather) } else { Vec::new() }),
     ];
     tables.into_iter().flat_map(|(table, list)| list.into_iter().map(move |complaint| (table, complaint))).collect()
 }

@@ -8,6 +8,7 @@
 pub mod asset;
 mod assignment;
 mod bounds;
+mod calendar;
 pub mod camera;
 mod checker;
 mod complaint;
@@ -56,14 +57,16 @@ pub struct Scene {
     pub seeds: Vec<u64>,
     /// The cells of a contact sheet that varies other keys, each a scene of its own, in order.
     pub cells: Vec<Scene>,
-    /// The weather.
-    pub climate: season::Climate,
+    /// The weather of every day.
+    pub weather: season::Weather,
     /// When.
     pub time: time::Time,
     /// The species of its trees, in the order in which trees name them; at least one.
     pub species: Vec<Species>,
     /// The trees; without `[[trees]]` one of the only species at the origin.
     pub trees: Vec<Planted>,
+    /// Whether they are listed as [[trees]], each then with a timing of its own.
+    pub is_grove: bool,
     /// Where the picture is taken from.
     pub camera: camera::Camera,
     /// Sun, sky and exposure.

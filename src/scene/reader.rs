@@ -1,10 +1,11 @@
 //! Reads a scene: texts -> checked tables -> layers -> settings -> what the stages say of them. Every fault that can be found
 //! is found before it gives up.
 
+use super::calendar::Calendar;
 use super::checker::{Checker, Finding};
 use super::{
     Places, Planted, Scene, Species, TextFile, assignment, bounds, complaint, document, layers, schema, sheet,
-    text_file, time,
+    text_file,
 };
 use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault, Place, Source};
 use crate::base::limits::Limits;
@@ -16,6 +17,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+mod calendar;
 mod leaf_file;
 mod roster;
 
@@ -154,9 +156,13 @@ impl Reader<'_> {
         let species: Vec<Species> = species.into_iter().collect::<Option<_>>()?;
         let trees = self.trees(source, &roster, &entries, &wholes, &species)?;
         self.places = own;
-        let mut scene = self.scene(source, &above, species, trees)?;
+        let calendar = self.calendar(source, &above);
+        let moment = calendar.moment;
+        let mut scene = self.scene(source, &above, calendar, species, trees)?;
+        scene.is_grove = !entries.is_empty();
         scene.places = Places(std::mem::take(&mut self.places));
         self.judge(source, &scene, &wholes);
+        self.find_moment(source, moment, &mut scene);
         Some(scene)
     }
 
@@ -168,7 +174,7 @@ impl Reader<'_> {
         }
         for (number, (species, whole)) in scene.species.iter().zip(wholes).enumerate() {
             // Without its species' table much is missing that the author did not forget.
-            let found = if whole.is_bare { Vec::new() } else { complaint::of_species(species, &scene.climate) };
+            let found = if whole.is_bare { Vec::new() } else { complaint::of_species(species, &scene.weather) };
             for (table, one) in found {
                 let (path, diagnostic) = species.places.diagnostic(table, one);
                 self.complain(source, Finding { species: Some(number), path, diagnostic });
@@ -204,13 +210,10 @@ impl Reader<'_> {
         &mut self,
         source: &Arc<Source>,
         above: &Value,
+        calendar: Calendar,
         species: Vec<Species>,
         trees: Vec<Planted>,
     ) -> Option<Scene> {
-        let mut time: time::Time = self.settings(source, above, "time")?;
-        if time == time::Time::default() {
-            time.day = Some(time::DEFAULT_DAY);
-        }
         let seeds: Vec<u64> =
             above.get("seeds").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_u64).collect();
         let seed = seeds.first().copied().or_else(|| above.get("seed").and_then(Value::as_u64));
@@ -219,10 +222,11 @@ impl Reader<'_> {
             seed: seed.unwrap_or(1),
             seeds,
             cells: Vec::new(),
-            climate: self.settings(source, above, "climate")?,
-            time,
+            weather: calendar.weather,
+            time: calendar.time,
             species,
             trees,
+            is_grove: false,
             camera: self.settings(source, above, "camera")?,
             light: self.settings(source, above, "light")?,
             image: self.settings(source, above, "image")?,

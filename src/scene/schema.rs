@@ -1,6 +1,6 @@
 //! The keys of the two kinds of file: scenes and species.
 
-use super::{camera::Camera, ground::Ground, image::Image, light::Light, output::Output, planting, sheet, time::Time};
+use super::{camera::Camera, ground::Ground, image::Image, light::Light, output::Output, planting, sheet, time};
 use crate::base::settings::{Described, Key, Kind, Schema};
 use crate::{colour, deform, leaf, season, tree};
 use serde_json::Value;
@@ -51,7 +51,7 @@ fn cell() -> Schema {
         },
         trees(),
         table::<season::Climate>("climate"),
-        table::<Time>("time"),
+        table::<time::Settings>("time"),
     ];
     keys.extend(stages());
     keys.extend([

@@ -1,80 +1,87 @@
-//! When: one day, or an even run of days.
+//! When: one day, date or moment, or an even run of days.
 
-use crate::base::settings::Complaint;
+use crate::base::settings::{Described, Kind};
+use crate::season::Moment;
 use crate::settings;
+use serde::{Deserialize, Serialize};
 
 settings! {
-    /// The moments that are drawn: one `day`, or `from`, `to` and `step`.
-    pub struct Time {
-        /// Days in this climate since every leaf was in the state `season.start`; 12 when no other form is given.
+    /// The moments that are drawn: one `day`, `date` or `moment`, or `from`, `to` and `step`. Days are counted from day 0: in a
+    /// constant climate when every leaf was in `season.start`, else the first day of the series, or 1 January. A date means the
+    /// beginning of its day.
+    pub struct Settings {
+        /// One day; 12 when no form is given in a constant climate.
         day: Option<f64> = None, unit "d", range 0.0 => 1e6;
-        /// First frame of several.
-        from: Option<f64> = None, unit "d", range 0.0 => 1e6;
-        /// Last frame of several, included when the steps meet it.
-        to: Option<f64> = None, unit "d", range 0.0 => 1e6;
+        /// One date, 2017-10-05; with `climate.series` or `climate.latitude`.
+        date: Option<String> = None;
+        /// The day in a year's weather on which a moment comes to the first species; `peak` when no form is given there.
+        moment: Option<Moment> = None;
+        /// First frame of several: a day, or a date in quotes.
+        from: Option<When> = None, unit "d", range 0.0 => 1e6;
+        /// Last frame of several, included when the steps meet it: a day, or a date in quotes.
+        to: Option<When> = None, unit "d", range 0.0 => 1e6;
         /// From one frame to the next; 1 when absent.
         step: Option<f64> = None, unit "d", range 1e-6 => 1e6;
     }
 }
 
-/// The day that is drawn when the scene names none.
-pub const DEFAULT_DAY: f64 = 12.0;
+/// A day by number or date.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(untagged)]
+pub enum When {
+    /// Days from day 0.
+    Day(f64),
+    /// A date as the user wrote it.
+    Date(String),
+}
+
+impl Described for When {
+    fn kind() -> Kind {
+        Kind::Either(vec![Kind::Number, Kind::Text])
+    }
+}
+
 /// Share of a step by which `to` may miss the last frame: 0.1 summed ten times is not 1.
 const SLACK: f64 = 1e-6;
 
+/// The days that are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Time {
+    /// The day of frame 0.
+    first: f64,
+    /// The last day, and days from frame to frame; none for one frame.
+    run: Option<(f64, f64)>,
+}
+
 impl Time {
+    /// One day.
+    #[must_use]
+    pub fn one(day: f64) -> Self {
+        Self { first: day, run: None }
+    }
+
+    /// The days from `from` to `to`, every `step` of them; both ends included when the steps meet.
+    #[must_use]
+    pub fn run(from: f64, to: f64, step: f64) -> Self {
+        Self { first: from, run: Some((to, step)) }
+    }
+
     /// How many frames there are; a prediction that may exceed any integer type.
     #[must_use]
     pub fn count(&self) -> f64 {
-        match (self.from, self.to) {
-            (Some(from), Some(to)) => ((to - from) / self.step() + SLACK).floor() + 1.0,
-            _ => 1.0,
-        }
+        self.run.map_or(1.0, |(to, step)| ((to - self.first) / step + SLACK).floor() + 1.0)
     }
 
     /// The day of frame `index`; a negative index lies before the first frame (the run-in of a film).
     #[must_use]
     pub fn at(&self, index: i64) -> f64 {
-        match self.from {
-            Some(from) => from + index as f64 * self.step(),
-            None => self.day.unwrap_or(DEFAULT_DAY),
-        }
+        self.run.map_or(self.first, |(_, step)| self.first + index as f64 * step)
     }
 
     /// Whether the scene names one day instead of a run of them; decides the form of the names of frames.
     #[must_use]
     pub fn is_single(&self) -> bool {
-        self.from.is_none()
-    }
-
-    fn step(&self) -> f64 {
-        self.step.unwrap_or(1.0)
-    }
-}
-
-/// What is wrong with well-typed settings.
-#[must_use]
-pub fn check(time: &Time) -> Vec<Complaint> {
-    let run = [("from", time.from), ("to", time.to), ("step", time.step)];
-    let given = run.iter().find(|(_, value)| value.is_some());
-    match (time.day, given, time.from, time.to) {
-        (Some(_), Some((key, _)), _, _) => vec![Complaint::new(
-            *key,
-            format!("time has both `day` and `{key}`"),
-            "keep `day` for one frame, or `from`, `to` and `step` for several",
-        )],
-        (None, Some((key, _)), from, to) if from.is_none() || to.is_none() => {
-            let missing = if from.is_none() { "from" } else { "to" };
-            vec![Complaint::new(*key, format!("time has `{key}` but no `{missing}`"), format!("add `{missing}`"))]
-        }
-        (None, _, Some(from), Some(to)) if to < from => {
-            vec![Complaint::new(
-                "to",
-                format!("time ends at {to}, before it begins at {from}"),
-                "let `to` be at least `from`",
-            )]
-        }
-        _ => Vec::new(),
+        self.run.is_none()
     }
 }
 
@@ -82,32 +89,18 @@ pub fn check(time: &Time) -> Vec<Complaint> {
 mod tests {
     use super::*;
 
-    fn run(from: f64, to: f64, step: f64) -> Time {
-        Time { day: None, from: Some(from), to: Some(to), step: Some(step) }
-    }
-
     #[test]
     fn the_end_is_included_although_steps_are_rounded() {
-        assert_eq!(run(0.0, 1.0, 0.1).count(), 11.0);
-        assert_eq!(run(0.0, 120.0, 1.0).count(), 121.0);
-        assert_eq!(run(0.0, 0.95, 0.1).count(), 10.0);
-        let once = run(5.0, 5.0, 1.0);
-        assert_eq!((once.count(), once.at(0)), (1.0, 5.0));
+        assert_eq!(Time::run(0.0, 1.0, 0.1).count(), 11.0);
+        assert_eq!(Time::run(0.0, 120.0, 1.0).count(), 121.0);
+        assert_eq!(Time::run(0.0, 0.95, 0.1).count(), 10.0);
+        let once = Time::run(5.0, 5.0, 1.0);
+        assert_eq!((once.count(), once.at(0), once.is_single()), (1.0, 5.0, false));
     }
 
     #[test]
     fn negative_frames_lie_before_the_first() {
-        assert_eq!(run(10.0, 20.0, 2.0).at(-3), 4.0);
-        assert_eq!((Time::default().count(), Time::default().at(0)), (1.0, DEFAULT_DAY));
-    }
-
-    #[test]
-    fn exactly_one_form_is_taken() {
-        assert!(check(&Time::default()).is_empty());
-        assert!(check(&run(0.0, 1.0, 1.0)).is_empty());
-        assert_eq!(check(&Time { day: Some(1.0), ..run(0.0, 1.0, 1.0) })[0].key, "from");
-        assert_eq!(check(&Time { from: None, ..run(0.0, 1.0, 1.0) })[0].key, "to");
-        assert_eq!(check(&Time { to: None, ..run(0.0, 1.0, 1.0) })[0].key, "from");
-        assert_eq!(check(&run(2.0, 1.0, 1.0))[0].key, "to");
+        assert_eq!(Time::run(10.0, 20.0, 2.0).at(-3), 4.0);
+        assert_eq!((Time::one(12.0).count(), Time::one(12.0).at(0)), (1.0, 12.0));
     }
 }

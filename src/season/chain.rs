@@ -1,41 +1,53 @@
-//! The chain of one climate: a rate and weighed targets for each state.
+//! The chain itself: what each state's half-life and chances are at one climate.
 
-use super::{Climate, Settings, State};
+use super::settings::{Settings, State};
+use super::stages;
+use super::weather::Day;
 
-/// The chain compiled for a climate. States are numbered in the order of their names.
+/// The chain of a species. States are numbered in the order of their names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
     /// Names of the states, sorted.
     pub names: Vec<String>,
-    /// Rate at which each state is left, 1/day; 0 for a state that lasts.
-    pub rates: Vec<f64>,
-    /// For each state the states that may follow, with their chances; empty for a state that lasts.
-    pub targets: Vec<Vec<(u16, f64)>>,
     /// The state of every leaf at day 0.
     pub start: u16,
-    /// Whether the climate lay outside the corners and was moved to the nearest point between them.
-    pub clamped: bool,
+    /// The states.
+    pub(super) nodes: Vec<Node>,
+    corners: Corners,
 }
 
-/// Where a climate stands between the corners: 0 to 1 from cold to warm and from dry to wet.
-struct Place {
+/// One state.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Node {
+    /// Half-life at the corners, days; none for a state that lasts.
+    half_life: Option<[f64; 4]>,
+    /// Hidden stages.
+    pub stages: u32,
+    /// Whether it waits for short days and follows the leaf's speed.
+    pub is_gated: bool,
+    /// The states that may follow, with their chances at the corners.
+    pub targets: Vec<(u16, [f64; 4])>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Corners {
+    cold: f64,
+    warm: f64,
+    dry: f64,
+    wet: f64,
+}
+
+/// Where a climate stands between the corners: 0 to 1 from cold to warm and from dry to wet. Outside it is moved to the nearest
+/// point: half-lives extrapolated beyond could become negative.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Place {
     warmth: f64,
     wetness: f64,
-    clamped: bool,
+    /// Whether the climate lay outside.
+    pub is_clamped: bool,
 }
 
 impl Place {
-    fn new(settings: &Settings, climate: &Climate) -> Self {
-        let warmth = (climate.temperature - settings.cold) / (settings.warm - settings.cold);
-        let wetness = (climate.humidity - settings.dry) / (settings.wet - settings.dry);
-        let inside = 0.0..=1.0;
-        Self {
-            warmth: warmth.clamp(0.0, 1.0),
-            wetness: wetness.clamp(0.0, 1.0),
-            clamped: !inside.contains(&warmth) || !inside.contains(&wetness),
-        }
-    }
-
     /// Bilinear interpolation of values given as wet and cold, wet and warm, dry and cold, dry and warm.
     fn between(&self, corners: [f64; 4]) -> f64 {
         let [wet_cold, wet_warm, dry_cold, dry_warm] = corners;
@@ -45,96 +57,102 @@ impl Place {
         let (wet, dry) = (along(wet_cold, wet_warm), along(dry_cold, dry_warm));
         if wet == dry { wet } else { wet * self.wetness + dry * (1.0 - self.wetness) }
     }
-
-    /// Rate of equation (5), 1/day: the half-life is interpolated, as in the paper, not the rate.
-    fn rate(&self, state: &State) -> f64 {
-        state.half_life.map_or(0.0, |half_life| std::f64::consts::LN_2 / self.between(half_life.values()))
-    }
-
-    /// Chances of `state.next`, rescaled by the rounding error of their sum.
-    fn chances(&self, state: &State) -> Vec<f64> {
-        let rows = [&state.wet_cold, &state.wet_warm, &state.dry_cold, &state.dry_warm];
-        let at = |target: usize| rows.map(|row| row.get(target).copied().unwrap_or(0.0));
-        let chances: Vec<f64> = (0..state.next.len()).map(|target| self.between(at(target))).collect();
-        let sum: f64 = chances.iter().sum();
-        chances.iter().map(|chance| chance / sum).collect()
-    }
 }
 
 impl Chain {
-    /// Compiles settings that have passed [`check`](super::check). A climate outside the corners is clamped to them: half-lives
-    /// extrapolated beyond could become negative.
+    /// Compiles settings that have passed [`check`](super::check). `is_staged` false makes one stage of every state, as the paper's
+    /// rule has it.
     #[must_use]
-    pub fn new(settings: &Settings, climate: &Climate) -> Self {
-        let place = Place::new(settings, climate);
+    pub fn new(settings: &Settings, is_staged: bool) -> Self {
         let names: Vec<String> = settings.states.keys().cloned().collect();
         let number = |name: &String| names.binary_search(name).ok().map(|index| index as u16);
-        let targets = |state: &State| {
-            let weighed = state.next.iter().zip(place.chances(state));
-            weighed.filter_map(|(name, chance)| number(name).map(|target| (target, chance))).collect()
+        let node = |state: &State| Node {
+            half_life: state.half_life.map(crate::base::settings::Corners::values),
+            stages: if is_staged { state.stages.max(1) } else { 1 },
+            is_gated: state.gate,
+            targets: targets(state).filter_map(|(name, chances)| Some((number(name)?, chances))).collect(),
         };
         Self {
-            rates: settings.states.values().map(|state| place.rate(state)).collect(),
-            targets: settings.states.values().map(targets).collect(),
+            nodes: settings.states.values().map(node).collect(),
             start: number(&settings.start).unwrap_or(0),
-            clamped: place.clamped,
+            corners: Corners { cold: settings.cold, warm: settings.warm, dry: settings.dry, wet: settings.wet },
             names,
         }
     }
 
-    /// The target of a jump out of `state` for a uniform number in [0, 1): the inverse of the cumulative chances.
+    /// Number of the state of a name.
     #[must_use]
-    pub fn target(&self, state: u16, uniform: f64) -> u16 {
-        let targets = &self.targets[usize::from(state)];
-        let mut left = uniform;
-        for &(target, chance) in targets {
-            left -= chance;
-            if left < 0.0 {
-                return target;
-            }
-        }
-        // Rounding may leave a sliver above the last cumulative chance: it belongs to the last possible target.
-        targets.iter().rev().find(|(_, chance)| *chance > 0.0).map_or(state, |&(target, _)| target)
+    pub(super) fn number(&self, name: &str) -> Option<u16> {
+        self.names.iter().position(|known| known == name).map(|index| index as u16)
     }
 
-    /// Which states a leaf can ever be in, by number.
-    #[must_use]
-    pub fn reachable(&self) -> Vec<bool> {
-        let mut reached = vec![false; self.names.len()];
-        let mut open = vec![self.start];
-        while let Some(state) = open.pop() {
-            let Some(seen) = reached.get_mut(usize::from(state)) else { continue };
-            if std::mem::replace(seen, true) || self.rates[usize::from(state)] == 0.0 {
-                continue;
-            }
-            open.extend(self.targets[usize::from(state)].iter().filter(|(_, chance)| *chance > 0.0).map(|&(to, _)| to));
+    pub(super) fn place(&self, day: &Day) -> Place {
+        let Corners { cold, warm, dry, wet } = self.corners;
+        let warmth = (day.temperature - cold) / (warm - cold);
+        let wetness = (day.humidity - dry) / (wet - dry);
+        let inside = 0.0..=1.0;
+        Place {
+            warmth: warmth.clamp(0.0, 1.0),
+            wetness: wetness.clamp(0.0, 1.0),
+            is_clamped: !inside.contains(&warmth) || !inside.contains(&wetness),
         }
-        reached
+    }
+
+    /// Rate of each stage of a state, 1/day, by equation (5): the half-life is interpolated, as in the paper, not the rate.
+    pub(super) fn rate(&self, state: usize, place: &Place) -> f64 {
+        let node = &self.nodes[state];
+        node.half_life.map_or(0.0, |half_life| stages::median(node.stages) / place.between(half_life))
+    }
+
+    /// Chances of the states that may follow, rescaled by the rounding error of their sum.
+    pub(super) fn chances(&self, state: usize, place: &Place) -> Vec<f64> {
+        let chances: Vec<f64> = self.nodes[state].targets.iter().map(|(_, at)| place.between(*at)).collect();
+        let sum: f64 = chances.iter().sum();
+        chances.iter().map(|chance| chance / sum).collect()
+    }
+
+    /// Whether a leaf can come back to a state it has left, by any way that has a chance at some corner.
+    #[must_use]
+    pub fn returns(&self) -> bool {
+        // A state is done when all that may follow it are; what never gets done lies on a way that returns.
+        let mut done = vec![false; self.nodes.len()];
+        loop {
+            let follows = |&(target, chances): &(u16, [f64; 4])| {
+                chances.iter().all(|chance| *chance <= 0.0) || done[usize::from(target)]
+            };
+            let ready = |state: &usize| !done[*state] && self.nodes[*state].targets.iter().all(follows);
+            let Some(next) = (0..self.nodes.len()).find(ready) else { break };
+            done[next] = true;
+        }
+        done.contains(&false)
     }
 }
 
-/// Which states any leaf can ever be in under this climate, in the order of the states' names.
-#[must_use]
-pub fn reachable(settings: &Settings, climate: &Climate) -> Vec<bool> {
-    Chain::new(settings, climate).reachable()
+/// The states that may follow, each with its chances at the corners; none for a state that lasts.
+fn targets(state: &State) -> impl Iterator<Item = (&String, [f64; 4])> {
+    let rows = [&state.wet_cold, &state.wet_warm, &state.dry_cold, &state.dry_warm];
+    let lasts = state.half_life.is_none();
+    let at = move |target: usize| rows.map(|row| row.get(target).copied().unwrap_or(0.0));
+    state.next.iter().enumerate().filter(move |_| !lasts).map(move |(target, name)| (name, at(target)))
 }
 
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::base::settings::Corners;
+    use crate::base::settings::Corners as Given;
     use proptest::prelude::*;
 
     /// A state with the same half-life and chances in every climate.
     pub fn state(half_life: f64, next: &[(&str, f64)]) -> State {
         let row: Vec<f64> = next.iter().map(|(_, chance)| *chance).collect();
         State {
-            half_life: (!next.is_empty()).then_some(Corners::Same(half_life)),
+            half_life: (!next.is_empty()).then_some(Given::Same(half_life)),
             next: next.iter().map(|(name, _)| (*name).to_owned()).collect(),
             wet_cold: row.clone(),
             wet_warm: row.clone(),
             dry_cold: row.clone(),
             dry_warm: row,
+            ..State::default()
         }
     }
 
@@ -157,22 +175,38 @@ pub(super) mod tests {
         ])
     }
 
+    /// States in line with these half-lives, and one that lasts.
+    pub fn line(half_lives: &[f64]) -> Settings {
+        let names = ["a", "b", "c", "d", "e", "f"];
+        let mut states: Vec<_> =
+            half_lives.iter().enumerate().map(|(i, &h)| (names[i], state(h, &[(names[i + 1], 1.0)]))).collect();
+        states.push((names[half_lives.len()], state(0.0, &[])));
+        settings(&states)
+    }
+
+    /// Two states that follow each other for ever.
+    pub fn returning(first: f64, second: f64) -> Settings {
+        settings(&[("a", state(first, &[("b", 1.0)])), ("b", state(second, &[("a", 1.0)]))])
+    }
+
     fn cornered() -> Settings {
-        let mut settings = settings(&[("a", state(1.0, &[("b", 0.5), ("c", 0.5)])), ("b", state(1.0, &[]))]);
+        let mut settings = settings(&[("a", state(1.0, &[("b", 0.5), ("c", 0.5)])), ("b", State::default())]);
         settings.states.insert("c".to_owned(), State::default());
         let a = settings.states.get_mut("a").unwrap();
-        a.half_life = Some(Corners::Each([40.0, 5.0, 80.0, 15.0]));
+        a.half_life = Some(Given::Each([40.0, 5.0, 80.0, 15.0]));
         a.wet_cold = vec![0.9, 0.1];
         a.dry_warm = vec![0.1, 0.9];
         settings
     }
 
+    fn day(temperature: f64, humidity: f64) -> Day {
+        Day { temperature, humidity, day_length: None }
+    }
+
     #[test]
     fn corners_are_met_and_the_middle_is_their_mean() {
-        let settings = cornered();
-        let half_life = |temperature, humidity| {
-            std::f64::consts::LN_2 / Chain::new(&settings, &Climate { temperature, humidity }).rates[0]
-        };
+        let chain = Chain::new(&cornered(), true);
+        let half_life = |t, h| std::f64::consts::LN_2 / chain.rate(0, &chain.place(&day(t, h)));
         for (temperature, humidity, expected) in
             [(0.0, 0.9, 40.0), (25.0, 0.9, 5.0), (0.0, 0.3, 80.0), (25.0, 0.3, 15.0), (12.5, 0.6, 35.0)]
         {
@@ -181,35 +215,37 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_climate_outside_the_corners_is_clamped() {
-        let at = |temperature, humidity| Chain::new(&cornered(), &Climate { temperature, humidity });
-        let (outside, corner) = (at(-30.0, 1.0), at(0.0, 0.9));
-        assert!(outside.clamped && !corner.clamped);
-        assert_eq!((outside.rates, outside.targets), (corner.rates, corner.targets));
+    fn a_climate_outside_the_corners_is_moved_to_them() {
+        let chain = Chain::new(&cornered(), true);
+        let (outside, corner) = (chain.place(&day(-1e3, 1.0)), chain.place(&day(0.0, 0.9)));
+        assert!(outside.is_clamped && !corner.is_clamped);
+        assert!(chain.place(&day(-1e-9, 0.5)).is_clamped);
+        assert_eq!(chain.rate(0, &outside), chain.rate(0, &corner));
+        assert_eq!(chain.chances(0, &outside), chain.chances(0, &corner));
     }
 
     #[test]
-    fn states_without_a_way_to_them_are_not_reachable() {
-        let mut settings = branching();
-        settings.start = "b".to_owned();
-        assert_eq!(reachable(&settings, &Climate::default()), [false, true, true, true]);
+    fn ways_that_return_are_seen() {
+        assert!(!Chain::new(&branching(), true).returns());
+        assert!(Chain::new(&returning(1.0, 2.0), true).returns());
+        let mut hidden = branching();
+        hidden.states.get_mut("c").unwrap().next = vec!["d".to_owned(), "a".to_owned()];
+        for row in 0..4 {
+            let c = hidden.states.get_mut("c").unwrap();
+            let rows = [&mut c.wet_cold, &mut c.wet_warm, &mut c.dry_cold, &mut c.dry_warm];
+            rows.into_iter()
+                .enumerate()
+                .for_each(|(at, r)| *r = if at == row { vec![0.9, 0.1] } else { vec![1.0, 0.0] });
+            assert!(Chain::new(&hidden, true).returns());
+        }
     }
 
     proptest! {
         #[test]
         fn targets_have_chances_that_sum_to_one(temperature in -60.0..60.0, humidity in 0.0..1.0) {
-            let chain = Chain::new(&cornered(), &Climate { temperature, humidity });
-            let sum: f64 = chain.targets[0].iter().map(|(_, chance)| chance).sum();
+            let chain = Chain::new(&cornered(), true);
+            let sum: f64 = chain.chances(0, &chain.place(&day(temperature, humidity))).iter().sum();
             prop_assert!((sum - 1.0).abs() < 1e-14);
-        }
-
-        #[test]
-        fn a_target_is_always_a_possible_one(uniform in 0.0..1.0f64) {
-            let mut settings = branching();
-            settings.states.get_mut("a").unwrap().wet_warm = vec![1.0, 0.0, 0.0];
-            let chain = Chain::new(&settings, &Climate { temperature: 25.0, humidity: 0.9 });
-            prop_assert_eq!(chain.target(0, uniform), 1);
-            prop_assert_eq!(chain.target(0, 1.0 - f64::EPSILON / 2.0), 1);
         }
     }
 }

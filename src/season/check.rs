@@ -1,6 +1,8 @@
 //! What can be wrong with a season: all of it at once.
 
-use super::{Climate, Settings, State};
+use super::chain::Chain;
+use super::weather::Weather;
+use super::{BUD, Mode, Settings, State};
 use crate::base::settings::Complaint;
 
 /// How far a row of chances may miss 1 by rounding in the file.
@@ -8,20 +10,69 @@ const ROW_TOLERANCE: f64 = 1e-6;
 /// Half-lives below this (0.1 microseconds) are a slip, and their rates could overflow.
 const SHORTEST_HALF_LIFE: f64 = 1e-12;
 /// More states than this are a slip: the exact shares cost the cube of their number.
-const MOST_STATES: usize = 256;
+const MOST_STATES: usize = 64;
+/// Hidden stages of all states together.
+const MOST_STAGES: u32 = 512;
+/// Shortest step of the paper's rule in a year's weather, days: it is followed step by step.
+const SHORTEST_STEP: f64 = 0.02;
 
-/// Everything wrong with the settings for this climate; empty when they can be used.
+/// Everything wrong with the settings for this weather; empty when they can be used.
 #[must_use]
-pub fn check(settings: &Settings, climate: &Climate) -> Vec<Complaint> {
+pub fn check(settings: &Settings, weather: &Weather) -> Vec<Complaint> {
     let mut complaints = corners(settings);
-    complaints.extend(climate_numbers(climate));
     complaints.extend(start(settings));
     for (name, state) in &settings.states {
         complaints.extend(half_life(name, state));
         complaints.extend(targets(settings, name, state));
         complaints.extend(rows(name, state));
     }
+    complaints.extend(stages(settings));
+    complaints.extend(odds(settings));
+    if complaints.is_empty() {
+        complaints.extend(returns(settings, weather));
+    }
+    let is_short = settings.mode == Mode::Paper && settings.step < SHORTEST_STEP && !weather.is_constant();
+    complaints.extend(is_short.then(|| {
+        let message = format!("a step of {} days is too short for a year's weather", settings.step);
+        Complaint::new(
+            "step",
+            message,
+            format!("give at least {SHORTEST_STEP}, or mode = \"exact\", which has no step"),
+        )
+    }));
     complaints
+}
+
+fn stages(settings: &Settings) -> Option<Complaint> {
+    let sum: u32 = settings.states.values().map(|state| state.stages.min(MOST_STAGES)).sum();
+    (sum > MOST_STAGES).then(|| {
+        let message = format!("the states have {sum} hidden stages together");
+        Complaint::new("states", message, format!("have at most {MOST_STAGES}"))
+    })
+}
+
+fn odds(settings: &Settings) -> Vec<Complaint> {
+    let unknown = settings.crown.odds.keys().filter(|name| !settings.states.contains_key(*name));
+    let complaint = |name: &String| {
+        let message = format!("`{name}` is not one of the states");
+        Complaint::new(format!("crown.odds.{name}"), message, format!("name one of {}", known(settings)))
+    };
+    unknown.map(complaint).collect()
+}
+
+/// A chain that returns has no course through the year to be early or late in.
+fn returns(settings: &Settings, weather: &Weather) -> Option<Complaint> {
+    let has_buds = !weather.is_constant() && settings.states.get(BUD).is_some_and(|bud| !bud.next.is_empty());
+    if settings.coherence == 0.0 && !has_buds || !Chain::new(settings, true).returns() {
+        return None;
+    }
+    let message = "leaves can come back to a state they have left";
+    Some(if settings.coherence > 0.0 {
+        Complaint::new("coherence", format!("{message}: none is early or late"), "set coherence = 0")
+    } else {
+        let help = "let states follow each other one way, or take `bud` out: spring brings the leaves back";
+        Complaint::new("states", format!("{message}, and buds open in spring as well"), help)
+    })
 }
 
 fn corners(settings: &Settings) -> Vec<Complaint> {
@@ -46,11 +97,6 @@ fn corners(settings: &Settings) -> Vec<Complaint> {
         ));
     }
     complaints
-}
-
-fn climate_numbers(climate: &Climate) -> Option<Complaint> {
-    let finite = climate.temperature.is_finite() && climate.humidity.is_finite();
-    (!finite).then(|| Complaint::new("", "the climate is not a finite number", "give temperature and humidity"))
 }
 
 fn start(settings: &Settings) -> Vec<Complaint> {
@@ -158,12 +204,12 @@ mod tests {
     use crate::base::settings::Corners;
 
     fn keys(settings: &Settings) -> Vec<String> {
-        check(settings, &Climate::default()).into_iter().map(|complaint| complaint.key).collect()
+        check(settings, &Weather::constant(12.0, 0.7)).into_iter().map(|complaint| complaint.key).collect()
     }
 
     #[test]
     fn a_sound_chain_has_no_complaints() {
-        assert_eq!(check(&branching(), &Climate::default()), []);
+        assert_eq!(check(&branching(), &Weather::constant(12.0, 0.7)), []);
     }
 
     #[test]
@@ -198,7 +244,7 @@ mod tests {
     fn the_sum_of_a_row_is_printed() {
         let faulty =
             settings(&[("a", state(1.0, &[("b", 0.5), ("c", 0.6)])), ("b", State::default()), ("c", State::default())]);
-        let complaints = check(&faulty, &Climate::default());
+        let complaints = check(&faulty, &Weather::constant(12.0, 0.7));
         assert_eq!(complaints.len(), 4);
         assert_eq!(complaints[0].message, "the chances sum to 1.1, not to 1");
     }
@@ -234,20 +280,41 @@ mod tests {
     }
 
     #[test]
-    fn the_red_maple_is_sound_and_its_green_half_life_is_the_fitted_one() {
+    fn the_red_maple_is_sound_and_its_green_half_life_lies_between_its_corners() {
         #[derive(serde::Deserialize)]
         struct Species {
             season: Settings,
         }
         let species: Species = toml::from_str(include_str!("../species/red-maple.season.toml")).unwrap();
-        assert_eq!(check(&species.season, &Climate::default()), []);
-        let early_october = Climate { temperature: 12.0, humidity: 0.7 };
-        let chain = super::super::Chain::new(&species.season, &early_october);
+        assert_eq!(check(&species.season, &Weather::constant(12.0, 0.7)), []);
+        let chain = Chain::new(&species.season, false);
         let green = chain.names.iter().position(|name| name == "green").unwrap();
-        let half_life = std::f64::consts::LN_2 / chain.rates[green];
+        let early_october = super::super::Day { temperature: 12.0, humidity: 0.7, day_length: None };
+        let half_life = std::f64::consts::LN_2 / chain.rate(green, &chain.place(&early_october));
+        let corners = species.season.states["green"].half_life.unwrap().values();
         // Bilinear by hand: 48 % of the way to the warm corners, two thirds of the way to the wet ones.
-        let expected = (0.52 * 0.5 + 0.48 * 11.0) * 2.0 / 3.0 + (0.52 * 0.5 + 0.48 * 10.0) / 3.0;
+        let along = |cold: f64, warm: f64| 0.52 * cold + 0.48 * warm;
+        let expected = along(corners[0], corners[1]) * 2.0 / 3.0 + along(corners[2], corners[3]) / 3.0;
         assert!((half_life - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn chains_that_return_have_neither_coherence_nor_buds() {
+        let returning = super::super::chain::tests::returning(1.0, 2.0);
+        assert_eq!(keys(&returning), [] as [String; 0]);
+        assert_eq!(keys(&Settings { coherence: 0.5, ..returning.clone() }), ["coherence"]);
+        let mut with_buds = returning;
+        with_buds.states.insert(BUD.to_owned(), state(3.0, &[("a", 1.0)]));
+        let year = Weather::mean_years(45.0, None, crate::base::calendar::Date::new(2017, 1, 1).unwrap(), 10);
+        assert_eq!(check(&with_buds, &year)[0].key, "states");
+        assert_eq!(keys(&with_buds), [] as [String; 0]);
+    }
+
+    #[test]
+    fn odds_are_those_of_states_that_are() {
+        let mut faulty = branching();
+        faulty.crown.odds.insert("purple".to_owned(), 1.0);
+        assert_eq!(keys(&faulty), ["crown.odds.purple"]);
     }
 
     #[test]

@@ -6,7 +6,6 @@
 //! Heyman 1985), where 2^k-fold squaring of a rounded diagonal would lose k digits. Eigenvectors are not used: equal
 //! half-lives in line make the matrix defective.
 
-use super::chain::Chain;
 use crate::base::maths::{exp, expm1};
 
 /// Terms of the Poisson sum for a mean of at most 1: the rest is below 1e-17.
@@ -30,17 +29,18 @@ pub struct Transition {
 }
 
 impl Transition {
-    /// The law of the continuous-time chain, P(t) = exp(Q t), for times up to `longest` days.
+    /// The law of the continuous-time chain, P(t) = exp(Q t), for times up to `longest` days. `rates` are those at which states
+    /// are left, 1/day; `targets` the states that may follow each, with their chances.
     #[must_use]
-    pub fn exact(chain: &Chain, longest: f64) -> Self {
-        let rate = chain.rates.iter().copied().fold(0.0, f64::max);
+    pub fn exact(rates: &[f64], targets: &[Vec<(u16, f64)>], longest: f64) -> Self {
+        let rate = rates.iter().copied().fold(0.0, f64::max);
         if rate == 0.0 {
             return Self { unit: f64::INFINITY, squares: Vec::new(), uniformised: Vec::new(), rate };
         }
-        let uniformised = jumps(chain, |state| chain.rates[state] / rate);
+        let uniformised = jumps(targets, |state| rates[state] / rate);
         // Half an event in one unit: the Poisson sum is short and every state is mostly kept.
         let unit = 0.5 / rate;
-        let identity = (0..chain.names.len()).map(|state| unit_row(chain.names.len(), state));
+        let identity = (0..rates.len()).map(|state| unit_row(rates.len(), state));
         let first = identity.map(|row| poisson_row(&row, &uniformised, 0.5)).collect();
         Self { unit, squares: squares(first, longest / unit), uniformised, rate }
     }
@@ -48,10 +48,10 @@ impl Transition {
     /// The law of equations (4) to (6) applied once a step of `step` days: at most one jump in each, for up to
     /// `most` steps. Times are counted in steps.
     #[must_use]
-    pub fn stepped(chain: &Chain, step: f64, most: f64) -> Self {
-        let mut first = jumps(chain, |state| -expm1(-chain.rates[state] * step));
+    pub fn stepped(rates: &[f64], targets: &[Vec<(u16, f64)>], step: f64, most: f64) -> Self {
+        let mut first = jumps(targets, |state| -expm1(-rates[state] * step));
         for (state, row) in first.iter_mut().enumerate() {
-            row[state] = exp(-chain.rates[state] * step);
+            row[state] = exp(-rates[state] * step);
         }
         Self { unit: 1.0, squares: squares(first, most), uniformised: Vec::new(), rate: 0.0 }
     }
@@ -86,16 +86,16 @@ fn unit_row(states: usize, state: usize) -> Vec<f64> {
 }
 
 /// Chances of going from each state to each other one, given the chance of leaving; diagonals are 1 - that chance.
-fn jumps(chain: &Chain, leaving: impl Fn(usize) -> f64) -> Matrix {
+fn jumps(targets: &[Vec<(u16, f64)>], leaving: impl Fn(usize) -> f64) -> Matrix {
     let row = |state: usize| {
-        let mut row = vec![0.0; chain.names.len()];
-        for &(target, chance) in &chain.targets[state] {
+        let mut row = vec![0.0; targets.len()];
+        for &(target, chance) in &targets[state] {
             row[usize::from(target)] += leaving(state) * chance;
         }
         row[state] = 1.0 - leaving(state);
         row
     };
-    (0..chain.names.len()).map(row).collect()
+    (0..targets.len()).map(row).collect()
 }
 
 /// The first matrix and its repeated squares, enough for `ratio` times the first one's time.
@@ -150,25 +150,22 @@ fn poisson_row(row: &[f64], uniformised: &Matrix, mean: f64) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::chain::tests::{branching, settings, state};
-    use super::super::{Climate, Settings};
+    use super::super::chain::tests::{branching, line, returning};
+    use super::super::course::Course;
+    use super::super::{Settings, Weather};
     use super::*;
 
+    /// Rates, targets and the start of a chain in a constant climate.
+    fn chain(settings: &Settings) -> (Vec<f64>, Vec<Vec<(u16, f64)>>, u16) {
+        let course = Course::new(settings, &Weather::constant(12.0, 0.7), 0.0);
+        let states = 0..course.states();
+        let rates = states.clone().map(|state| course.rate(0, state)).collect();
+        (rates, states.map(|state| course.targets(0, state).collect()).collect(), course.start)
+    }
+
     fn row(settings: &Settings, time: f64) -> Vec<f64> {
-        let chain = Chain::new(settings, &Climate::default());
-        Transition::exact(&chain, time).row(chain.names.len(), chain.start, time)
-    }
-
-    fn line(half_lives: &[f64]) -> Settings {
-        let names = ["a", "b", "c", "d"];
-        let mut states: Vec<_> =
-            half_lives.iter().enumerate().map(|(i, &h)| (names[i], state(h, &[(names[i + 1], 1.0)]))).collect();
-        states.push((names[half_lives.len()], state(0.0, &[])));
-        settings(&states)
-    }
-
-    fn returning() -> Settings {
-        settings(&[("a", state(4.0, &[("b", 1.0)])), ("b", state(12.0, &[("a", 1.0)]))])
+        let (rates, targets, start) = chain(settings);
+        Transition::exact(&rates, &targets, time).row(rates.len(), start, time)
     }
 
     fn close(settings: &Settings, time: f64, expected: &[f64]) {
@@ -184,9 +181,9 @@ mod tests {
         close(&line(&[10.0]), 1.0, &[0.933_032_991_536_8, 0.066_967_008_463_19]);
         close(&line(&[10.0]), 10.0, &[0.5, 0.5]);
         close(&line(&[10.0]), 100.0, &[0.000_976_562_5, 0.999_023_437_5]);
-        close(&returning(), 1.0, &[0.845_275_394_488_1, 0.154_724_605_511_9]);
-        close(&returning(), 10.0, &[0.324_409_424_311, 0.675_590_575_689]);
-        close(&returning(), 1000.0, &[0.25, 0.75]);
+        close(&returning(4.0, 12.0), 1.0, &[0.845_275_394_488_1, 0.154_724_605_511_9]);
+        close(&returning(4.0, 12.0), 10.0, &[0.324_409_424_311, 0.675_590_575_689]);
+        close(&returning(4.0, 12.0), 1000.0, &[0.25, 0.75]);
     }
 
     #[test]
@@ -222,17 +219,16 @@ mod tests {
 
     #[test]
     fn endless_time_is_finite() {
-        close(&returning(), 1e300, &[0.25, 0.75]);
-        let fast = settings(&[("a", state(1e-12, &[("b", 1.0)])), ("b", state(3e-12, &[("a", 1.0)]))]);
-        close(&fast, 1e300, &[0.25, 0.75]);
+        close(&returning(4.0, 12.0), 1e300, &[0.25, 0.75]);
+        close(&returning(1e-12, 3e-12), 1e300, &[0.25, 0.75]);
     }
 
     #[test]
     fn steps_converge_to_the_exact_law_with_order_one() {
-        let chain = Chain::new(&line(&[5.0, 5.0]), &Climate::default());
-        let exact = Transition::exact(&chain, 20.0).row(3, 0, 20.0);
+        let (rates, targets, _) = chain(&line(&[5.0, 5.0]));
+        let exact = Transition::exact(&rates, &targets, 20.0).row(3, 0, 20.0);
         let error = |count: f64| {
-            let stepped = Transition::stepped(&chain, 20.0 / count, count).row(3, 0, count);
+            let stepped = Transition::stepped(&rates, &targets, 20.0 / count, count).row(3, 0, count);
             stepped.iter().zip(&exact).map(|(a, b)| (a - b).abs()).sum::<f64>() * 0.5
         };
         // The reference total variations of n chained steps.

@@ -4,8 +4,9 @@
 use super::Settings;
 use super::skeleton::{Shoot, Skeleton};
 use crate::base::maths::{cos, sin};
-use crate::base::random::{Purpose, Stream};
+use crate::base::random::{Purpose, Stream, hash};
 use crate::base::vector::{DVec3, rotated};
+use std::collections::BTreeMap;
 
 /// Spread of the blades' inclination, degrees: leaf angle distributions of broad-leaved trees (Pisek et al. 2013) have
 /// standard deviations of 12 to 18.
@@ -42,6 +43,10 @@ pub struct LeafSite {
     pub petiole_length: f64,
     /// Number of the segment at whose end it sits.
     pub segment: Option<u32>,
+    /// Identity of the limb, the axis out of the trunk that bears it; the trunk's where no limb does.
+    pub limb: u64,
+    /// Identity of the year's shoot that it sits on.
+    pub shoot: u64,
 }
 
 /// Length of a blade in full light and in deep shade over the mean (sun and shade leaves; Pisek et al. 2013 for the angle).
@@ -55,6 +60,7 @@ const SHADE_INCLINATION: f64 = 0.7;
 pub(super) fn site(
     shoot: &Shoot,
     skeleton: &Skeleton,
+    bearer: &Bearer,
     (light, petiole_length): (f64, f64),
     settings: &Settings,
     seed: u64,
@@ -71,7 +77,34 @@ pub(super) fn site(
     let base = surface(shoot, skeleton, petiole);
     let petiole_length = petiole_length * (1.0 + PETIOLE_LENGTH_SPREAD * stream.normal()).clamp(0.7, 1.3);
     let (segment, order) = (shoot.segment, shoot.order);
-    LeafSite { id: shoot.id, base, petiole, blade, normal, scale, order, petiole_length, segment }
+    let Bearer { limb, shoot: of_year } = *bearer;
+    LeafSite { id: shoot.id, base, petiole, blade, normal, scale, order, petiole_length, segment, limb, shoot: of_year }
+}
+
+/// The wood that bears a leaf, by identities that stay the same when other branches come or go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Bearer {
+    /// The first segment of the axis of order 1 on the way to the trunk; of the trunk without one.
+    limb: u64,
+    /// The axis and the year in which the segment grew.
+    shoot: u64,
+}
+
+impl Bearer {
+    /// Of a leaf on no wood.
+    pub const NONE: Self = Self { limb: 0, shoot: 0 };
+
+    /// Of the leaves at the end of each segment.
+    pub fn of_segments(skeleton: &Skeleton) -> Vec<Self> {
+        let (mut bearers, mut axes): (Vec<Self>, BTreeMap<u32, u64>) = (Vec::new(), BTreeMap::new());
+        for segment in &skeleton.segments {
+            let axis = *axes.entry(segment.axis).or_insert(segment.id);
+            let below = segment.parent.and_then(|parent| bearers.get(parent as usize));
+            let limb = if segment.order <= 1 { axis } else { below.map_or(axis, |below: &Self| below.limb) };
+            bearers.push(Self { limb, shoot: hash(axis, u64::from(segment.birth)) });
+        }
+        bearers
+    }
 }
 
 /// The point of the twig's surface that the petiole leaves from.

@@ -43,6 +43,7 @@ mod turtle;
 mod weave;
 mod wood;
 
+use leaf_site::Bearer;
 pub use leaf_site::LeafSite;
 pub use skeleton::{Segment, Skeleton};
 pub use wood::Wood;
@@ -267,9 +268,11 @@ pub fn grow(settings: &Settings, seed: u64, limits: &Limits) -> Result<(Tree, Fi
     let skeleton = drawing.skeleton;
     let light = shade::light(&drawing.shoots, settings.shade);
     let petioles = petiole::lengths(&skeleton);
+    let bearers = Bearer::of_segments(&skeleton);
     let site = |(shoot, light): (&Shoot, &f64)| {
         let petiole = shoot.segment.map_or(1.0, |number| petioles[number as usize]);
-        leaf_site::site(shoot, &skeleton, (*light, petiole), settings, seed)
+        let bearer = shoot.segment.map_or(Bearer::NONE, |number| bearers[number as usize]);
+        leaf_site::site(shoot, &skeleton, &bearer, (*light, petiole), settings, seed)
     };
     let sites: Vec<LeafSite> = drawing.shoots.iter().zip(&light).map(site).collect();
     let wood = wood::meshes(&skeleton);

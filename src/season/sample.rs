@@ -1,0 +1,138 @@
+//! The states of leaves as they were drawn, and how far they lie from the exact shares.
+
+use super::clock::Stay;
+use super::law::Law;
+use crate::base::figures::{ErrorFigure, Figures};
+use serde_json::{Map, Value};
+
+/// Expected leaves of a state below which it is lumped with others for the chi-square: the statistic's law needs some.
+const FEWEST: f64 = 5.0;
+
+/// The states of leaves on a day, in their order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// State of each leaf, counted in the chain's names.
+    pub states: Vec<u16>,
+    /// The state that each leaf left for its present one; its own for a leaf that has not changed yet.
+    pub before: Vec<u16>,
+    /// Day on which each leaf entered its state.
+    pub since: Vec<f64>,
+    /// Leaves whose state was drawn from the law of what was not followed jump by jump.
+    pub from_law: u64,
+}
+
+impl Sample {
+    pub(super) fn of(stays: Vec<Stay>) -> Self {
+        Self {
+            states: stays.iter().map(|stay| stay.state).collect(),
+            before: stays.iter().map(|stay| stay.before).collect(),
+            since: stays.iter().map(|stay| stay.since).collect(),
+            from_law: stays.iter().filter(|stay| stay.is_from_law).count() as u64,
+        }
+    }
+}
+
+/// The states of all leaves of a scene, in the order of the leaves.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LeafStates {
+    /// Names of the states, sorted; the numbers in `states` count them.
+    pub names: Vec<String>,
+    /// State of each leaf.
+    pub states: Vec<u16>,
+    /// The state that each leaf left for its present one; its own for a leaf that has not changed yet.
+    pub before: Vec<u16>,
+    /// Day on which each leaf entered its state.
+    pub since: Vec<f64>,
+    /// Exact share of each state on that day.
+    pub expected: Vec<f64>,
+}
+
+/// Half the sum of the differences: the largest difference in the chance of any set of states.
+pub(super) fn total_variation(a: &[f64], b: &[f64]) -> f64 {
+    0.5 * a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f64>()
+}
+
+/// What the stage tells of states: their counts, and how far their shares lie from the law by which they were drawn.
+#[must_use]
+pub fn figures(names: &[String], states: &[u16], law: &Law) -> Figures {
+    let mut counts = vec![0u64; names.len()];
+    for count in states.iter().map(|&state| usize::from(state)).filter(|state| *state < names.len()) {
+        counts[count] += 1;
+    }
+    let drawn: u64 = counts.iter().sum();
+    let leaves = drawn.max(1) as f64;
+    let shares: Vec<f64> = counts.iter().map(|&count| count as f64 / leaves).collect();
+    let named: Map<String, Value> = names.iter().cloned().zip(counts.iter().map(|&count| Value::from(count))).collect();
+    let (chi_square, freedom) = chi_square(&counts, &law.expected, leaves);
+    let mut figures = Figures::of(drawn)
+        .with("states", named)
+        .with("expected_sampling_error", sampling_error(&law.variance, leaves))
+        .with("chi_square", chi_square)
+        .with("degrees_of_freedom", freedom);
+    if drawn > 0 {
+        figures.error = Some(ErrorFigure {
+            metric: "total variation".to_owned(),
+            value: total_variation(&shares, &law.expected),
+            unit: String::new(),
+            bound: None,
+            how: "shares of the leaves against the exact shares, exp(Q t)".to_owned(),
+        });
+    }
+    figures
+}
+
+/// Mean total variation of a sample of `leaves` from its own law, by the normal approximation of each share.
+fn sampling_error(variance: &[f64], leaves: f64) -> f64 {
+    let spread: f64 = variance.iter().map(|variance| variance.max(0.0).sqrt()).sum();
+    0.5 * spread * (2.0 / (std::f64::consts::PI * leaves)).sqrt()
+}
+
+/// Pearson's statistic and its degrees of freedom. States that few leaves are expected in are lumped. Leaves of different classes
+/// have different laws, which makes the statistic smaller than chance alone would, never larger.
+fn chi_square(counts: &[u64], expected: &[f64], leaves: f64) -> (f64, u64) {
+    let mut lump = (0.0, 0.0);
+    let (mut sum, mut cells) = (0.0, 0u64);
+    let mut add = |count: f64, expected: f64| {
+        let away = count - expected;
+        sum += away * away / expected;
+        cells += 1;
+    };
+    for (&count, share) in counts.iter().zip(expected) {
+        if share * leaves >= FEWEST {
+            add(count as f64, share * leaves);
+        } else {
+            lump = (lump.0 + count as f64, lump.1 + share * leaves);
+        }
+    }
+    if lump.1 > 1e-3 {
+        add(lump.0, lump.1);
+    }
+    (sum, cells.saturating_sub(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn law(expected: &[f64]) -> Law {
+        Law { expected: expected.to_vec(), variance: expected.iter().map(|p| p * (1.0 - p)).collect() }
+    }
+
+    #[test]
+    fn the_figures_are_those_of_the_closed_forms() {
+        let names = ["a", "b"].map(str::to_owned);
+        let figures = figures(&names, &[0, 0, 0, 1], &law(&[0.5, 0.5]));
+        assert_eq!((figures.items, figures.error.unwrap().value), (4, 0.25));
+        // Two leaves of each are too few: both cells are lumped and nothing is left to be tested.
+        assert_eq!(figures.values["degrees_of_freedom"], 0);
+        let mean = figures.values["expected_sampling_error"].as_f64().unwrap();
+        assert!((mean - 0.5 * (2.0 / (std::f64::consts::PI * 4.0)).sqrt()).abs() < 1e-15);
+        assert_eq!(chi_square(&[60, 40], &[0.5, 0.5], 100.0), (4.0, 1));
+    }
+
+    #[test]
+    fn leaves_without_a_state_are_not_counted() {
+        let names = ["a"].map(str::to_owned);
+        assert_eq!(figures(&names, &[0, u16::MAX], &law(&[1.0])).items, 1);
+    }
+}
