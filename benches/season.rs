@@ -51,7 +51,10 @@ fn main() {
         let single = start.elapsed().as_secs_f64();
         println!("{leaves} leaves, 365 frames, one core ({fallen} states, {laws} laws, {one} leaves alone)");
         println!("leaves added once               {added:8.3} s");
-        println!("film                            {run:8.3} s  {:8.4} us a leaf and frame", run * 1e6 / (365.0 * leaves as f64));
+        println!(
+            "film                            {run:8.3} s  {:8.4} us a leaf and frame",
+            run * 1e6 / (365.0 * leaves as f64)
+        );
         println!("exact shares of 365 frames      {law:8.3} s");
         println!("day 290 alone, with its leaves  {single:8.3} s  {:8.4} us a leaf", single * 1e6 / leaves as f64);
     });

@@ -16,7 +16,19 @@ mod tests {
 
     fn site(scale: f64) -> LeafSite {
         let (base, petiole, blade, normal) = (DVec3::zeros(), DVec3::x(), DVec3::x(), DVec3::y());
-        LeafSite { id: 0, base, petiole, blade, normal, scale, order: 0, petiole_length: 1.0, segment: None, limb: 0, shoot: 0 }
+        LeafSite {
+            id: 0,
+            base,
+            petiole,
+            blade,
+            normal,
+            scale,
+            order: 0,
+            petiole_length: 1.0,
+            segment: None,
+            limb: 0,
+            shoot: 0,
+        }
     }
 
     /// Two by three centimetres.

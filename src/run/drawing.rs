@@ -224,11 +224,13 @@ impl<'a> Run<'a> {
 
     /// Adds a frame to the report and to the file of states. The counts are of all trees, and of all cells.
     fn note(&mut self, index: i64, states: &CellStates, seconds: f64) {
-        let day = self.scene.time.at(index);
+        // A moment's day is known to the cells.
+        let shown = self.cells.first().map_or(self.scene, |cell| &cell.scene);
+        let day = shown.time.at(index);
         let mut frame = FrameReport {
             index,
             day,
-            date: self.scene.weather.date(day).map(|date| date.to_string()),
+            date: shown.weather.date(day).map(|date| date.to_string()),
             leaves: self.cells.iter().map(|cell| cell.stand.leaf_ids.len() as u64).sum(),
             states: BTreeMap::new(),
             expected: BTreeMap::new(),

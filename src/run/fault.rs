@@ -17,6 +17,14 @@ pub fn refused(places: &Places, table: &str, refusal: &Refusal) -> Diagnostics {
     Diagnostic::error(Fault::Limit, refusal.to_string(), refusal.help()).at(place).into()
 }
 
+/// A moment that does not come to the leaves of a scene.
+pub fn no_moment(places: &Places) -> Diagnostics {
+    let help = "give a series that reaches over it, or a `date`";
+    Diagnostic::error(Fault::Scene, "this moment does not come in this weather", help)
+        .at(places.of("time.moment"))
+        .into()
+}
+
 /// The system has less memory left than the scene needs.
 pub fn out_of_memory(places: &Places, table: &str, wanted: f64) -> Diagnostics {
     let what = format!("the scene needs {} MB of memory, which the system does not give", (wanted / 1e6).ceil());

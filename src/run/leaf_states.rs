@@ -4,7 +4,7 @@ use crate::base::figures::Figures;
 use crate::base::random::hash;
 use crate::compose::Stand;
 use crate::scene::{Scene, time::Time};
-use crate::season::{self, Crown, Law, LeafStates, Population, Position};
+use crate::season::{self, Crown, Law, LeafStates, Moment, Population, Position};
 use std::collections::BTreeMap;
 
 /// State of a leaf whose species has no seasons.
@@ -57,6 +57,12 @@ impl Seasons {
         let part = |number| Part::new(scene, stand, names, number);
         let parts = with_leaves(scene, stand).into_iter().map(part).collect();
         Self { time: scene.time, names: names.to_vec(), parts, leaves: stand.leaf_ids.len(), laws: BTreeMap::new() }
+    }
+
+    /// Finds the day of the scene's moment, which comes to the first species that has leaves; `None` when it does not come.
+    pub fn find(&mut self, moment: Moment) -> Option<Time> {
+        self.time = Time::one(self.parts.first()?.population.day_of(moment)?);
+        Some(self.time)
     }
 
     /// Keeps what makes many frames fast, and finds the exact shares of all of them at once.

@@ -60,7 +60,7 @@ pub fn prepare(cells: Vec<Scene>, asked: &Asked<'_>, report: &mut Report) -> Res
     let mut prepared: Vec<Prepared> = Vec::new();
     let mut counts: Vec<Vec<Counted>> = Vec::new();
     let count = cells.len();
-    for scene in cells {
+    for mut scene in cells {
         let (stand, states, kept) = grown(&scene, asked.limits, report)?;
         if count > 1 {
             // The cells of a sheet are alike: what has grown so far tells what all will take.
@@ -73,6 +73,9 @@ pub fn prepare(cells: Vec<Scene>, asked: &Asked<'_>, report: &mut Report) -> Res
         let mut seasons = Seasons::new(&scene, &stand, &states);
         if !states.is_empty() {
             let start = Instant::now();
+            if let Some(moment) = scene.time.moment {
+                scene.time = seasons.find(moment).ok_or_else(|| fault::no_moment(&scene.places))?;
+            }
             seasons.prepare(asked.frames, asked.frames.len() > 1);
             report.spend("season", start.elapsed().as_secs_f64());
         }

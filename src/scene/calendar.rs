@@ -23,10 +23,8 @@ const MOST_YEARS: f64 = 100.0;
 pub struct Calendar {
     /// The weather.
     pub weather: Weather,
-    /// The days; of a moment only its beginning, until the species is known.
+    /// The days.
     pub time: Time,
-    /// The moment that is to be found.
-    pub moment: Option<Moment>,
 }
 
 impl Calendar {
@@ -34,7 +32,7 @@ impl Calendar {
     #[must_use]
     pub fn constant() -> Self {
         let weather = Weather::constant(DEFAULT_TEMPERATURE, DEFAULT_HUMIDITY);
-        Self { weather, time: Time::one(DEFAULT_DAY), moment: None }
+        Self { weather, time: Time::one(DEFAULT_DAY) }
     }
 }
 
@@ -61,9 +59,10 @@ pub fn resolve(climate: &Climate, time: &Settings, series: Option<Series>) -> Re
         None => mean_years(climate, time, &dates)?,
     };
     let moment = time.moment.or((is_year && is_without_time(time)).then_some(Moment::Peak));
-    let time = days(time, &weather, &dates);
+    let mut time = days(time, &weather, &dates);
+    time.moment = moment;
     let complaints = outside(&weather, &time);
-    if complaints.is_empty() { Ok(Calendar { weather, time, moment }) } else { Err(complaints) }
+    if complaints.is_empty() { Ok(Calendar { weather, time }) } else { Err(complaints) }
 }
 
 fn is_without_time(time: &Settings) -> bool {
@@ -279,7 +278,7 @@ mod tests {
 
     #[test]
     fn without_a_time_a_year_is_drawn_at_its_peak() {
-        assert_eq!(resolve(&at(45.0), &Settings::default(), None).unwrap().moment, Some(Moment::Peak));
-        assert_eq!(resolve(&Climate::default(), &Settings::default(), None).unwrap().moment, None);
+        assert_eq!(resolve(&at(45.0), &Settings::default(), None).unwrap().time.moment, Some(Moment::Peak));
+        assert_eq!(resolve(&Climate::default(), &Settings::default(), None).unwrap().time.moment, None);
     }
 }

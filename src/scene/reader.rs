@@ -157,12 +157,10 @@ impl Reader<'_> {
         let trees = self.trees(source, &roster, &entries, &wholes, &species)?;
         self.places = own;
         let calendar = self.calendar(source, &above);
-        let moment = calendar.moment;
         let mut scene = self.scene(source, &above, calendar, species, trees)?;
         scene.is_grove = !entries.is_empty();
         scene.places = Places(std::mem::take(&mut self.places));
         self.judge(source, &scene, &wholes);
-        self.find_moment(source, moment, &mut scene);
         Some(scene)
     }
 

@@ -51,19 +51,21 @@ pub struct Time {
     first: f64,
     /// The last day, and days from frame to frame; none for one frame.
     run: Option<(f64, f64)>,
+    /// The moment whose day is to be found when the leaves are known; `first` is 0 until then.
+    pub moment: Option<Moment>,
 }
 
 impl Time {
     /// One day.
     #[must_use]
     pub fn one(day: f64) -> Self {
-        Self { first: day, run: None }
+        Self { first: day, run: None, moment: None }
     }
 
     /// The days from `from` to `to`, every `step` of them; both ends included when the steps meet.
     #[must_use]
     pub fn run(from: f64, to: f64, step: f64) -> Self {
-        Self { first: from, run: Some((to, step)) }
+        Self { first: from, run: Some((to, step)), moment: None }
     }
 
     /// How many frames there are; a prediction that may exceed any integer type.

@@ -1,6 +1,6 @@
 //! How leaves differ within a crown: by exposure, and by what the leaves of a limb and of a shoot share.
 //!
-//! Exposure is a number of a leaf's own site in the species' nominal crown, an ellipsoid; no leaf's depends on another's, so
+//! Exposure is a number of a leaf's own site in the species' nominal crown, half an ellipsoid; no leaf's depends on another's, so
 //! that a branch more changes no leaf. Speeds and exposures are taken in classes, so that the exact shares of all leaves are a sum
 //! over few laws.
 
@@ -49,14 +49,13 @@ impl Crown {
         Some(Self { height: nominal.height * scale, radius: nominal.radius * scale, base: nominal.base * scale })
     }
 
-    /// 0 low and inside to 1 at the top and outside: the mean of relative height and of the distance from the crown's middle.
+    /// 0 low and inside to 1 at the top: the mean of the height in the crown and of the distance from the middle of its foot, both
+    /// relative to the crown, half an ellipsoid.
     #[must_use]
     pub fn exposure(&self, position: &Position) -> f64 {
-        let half = (0.5 * (self.height - self.base)).max(1e-9);
-        let along = (position.height - self.base) / half - 1.0;
+        let up = ((position.height - self.base) / (self.height - self.base).max(1e-9)).clamp(0.0, 1.0);
         let aside = position.distance / self.radius.max(1e-9);
-        let outside = (along * along + aside * aside).sqrt().min(1.0);
-        0.5 * (0.5 * (along + 1.0)).clamp(0.0, 1.0) + 0.5 * outside
+        0.5 * up + 0.5 * (up * up + aside * aside).sqrt().min(1.0)
     }
 }
 
@@ -89,14 +88,6 @@ impl Class {
             logarithm += shoot * shared(position.shoot, 1);
         }
         Self::rounded(settings, logarithm, exposure)
-    }
-
-    /// The class of a leaf of the nominal exposure and a speed whose logarithm lies `deviations` standard deviations from the mean.
-    pub fn nominal(settings: &Settings, deviations: f64) -> Self {
-        let NominalCrown { rate, limb, shoot, .. } = settings.crown;
-        // Exposures of a crown's leaves have a standard deviation of about a fifth.
-        let spread = (0.04 * rate * rate + limb * limb + shoot * shoot).sqrt();
-        Self::rounded(settings, spread * deviations, 0.5)
     }
 
     fn rounded(settings: &Settings, logarithm: f64, exposure: f64) -> Self {
@@ -175,8 +166,9 @@ mod tests {
     fn the_top_is_exposed_and_the_inside_is_not() {
         let crown = Crown::new(&crowned().crown, None, None).unwrap();
         assert_eq!((crown.exposure(&at(20.0, 0.0)), crown.exposure(&at(90.0, 50.0))), (1.0, 1.0));
-        assert!((crown.exposure(&at(11.0, 0.0)) - 0.25).abs() < 1e-12);
-        assert!(crown.exposure(&at(11.0, 6.0)) > 0.7 && crown.exposure(&at(4.0, 1.0)) < 0.5);
+        assert!((crown.exposure(&at(11.0, 0.0)) - 0.5).abs() < 1e-12);
+        assert!((crown.exposure(&at(2.0, 6.0)) - 0.5).abs() < 1e-12);
+        assert_eq!(crown.exposure(&at(1.0, 0.0)), 0.0);
     }
 
     #[test]

@@ -36,7 +36,7 @@ pub use check::check;
 pub use day_length::hours as day_length;
 pub use exposure::{Crown, Position};
 pub use law::Law;
-pub use moment::{MOST_DAYS, Moment, day_of};
+pub use moment::{MOST_DAYS, Moment};
 pub use population::{Leaf, Population};
 pub use sample::{LeafStates, Sample, figures};
 pub use settings::{Climate, Gate, Mode, NominalCrown, Settings, State};

@@ -1,9 +1,6 @@
 //! Days named by what is seen on the tree.
 
-use super::course::Course;
-use super::exposure::{Class, Odds};
-use super::law::{self, Weight};
-use super::settings::Settings;
+use super::law::Law;
 use super::weather::Weather;
 use super::{BUD, FALLEN};
 use crate::choice;
@@ -35,9 +32,6 @@ const LEFT: f64 = 0.01;
 pub const MOST_DAYS: f64 = 380.0;
 /// Days after the longest one on which it is summer.
 const SUMMER: f64 = 25.0;
-/// Half of the normal law in five parts of equal weight: the means of its fifths, in standard deviations.
-const DEVIATIONS: [f64; 5] = [-1.399_8, -0.531_9, 0.0, 0.531_9, 1.399_8];
-
 /// Shares on a day.
 struct Seen {
     day: f64,
@@ -47,29 +41,30 @@ struct Seen {
     leaves: f64,
 }
 
-/// The first day from `from` on, within [`MOST_DAYS`] and the weather, on which a moment has come for the leaves of the species' nominal
-/// crown; none when it does not come, as in a constant climate.
-#[must_use]
-pub fn day_of(settings: &Settings, weather: &Weather, moment: Moment, from: f64) -> Option<f64> {
-    if weather.is_constant() || settings.states.is_empty() {
+/// The first day from `from` on, within [`MOST_DAYS`] and the weather, on which a moment has come to leaves of which `laws` gives the
+/// exact shares of days that ascend, in the order of `names`; none when it does not come, as in a constant climate.
+pub(super) fn day_of(
+    names: &[String],
+    weather: &Weather,
+    moment: Moment,
+    from: f64,
+    laws: impl Fn(&[f64]) -> Vec<Law>,
+) -> Option<f64> {
+    if weather.is_constant() || names.is_empty() {
         return None;
     }
-    let course = Course::new(settings, weather, 0.0);
-    let odds = Odds::new(settings, &course.chain.names);
     let end = weather.end().min(from + MOST_DAYS);
     let days: Vec<f64> = (0..).map(|day| from + f64::from(day)).take_while(|day| *day < end).collect();
     let longest = longest_day(weather, &days)?;
     if moment == Moment::Summer {
         return Some((longest + SUMMER).min(end - 1.0));
     }
-    let weight = |deviation: &f64| Weight { course: &course, class: Class::nominal(settings, *deviation), leaves: 1.0 };
-    let weights: Vec<Weight<'_>> = DEVIATIONS.iter().map(weight).collect();
-    let laws = law::laws(&weights, &odds, &days);
-    let share = |law: &law::Law, names: &[&str]| -> f64 {
-        let numbered = course.chain.names.iter().zip(&law.expected);
-        numbered.filter(|(name, _)| names.contains(&name.as_str())).map(|(_, share)| share).sum()
+    let laws = laws(&days);
+    let share = |law: &Law, wanted: &[&str]| -> f64 {
+        let numbered = names.iter().zip(&law.expected);
+        numbered.filter(|(name, _)| wanted.contains(&name.as_str())).map(|(_, share)| share).sum()
     };
-    let seen = |(&day, law): (&f64, &law::Law)| Seen {
+    let seen = |(&day, law): (&f64, &Law)| Seen {
         day,
         green: share(law, &GREEN),
         brown: share(law, &["brown"]),

@@ -4,6 +4,7 @@ use super::clock::{Clock, Stay};
 use super::course::Course;
 use super::exposure::{Class, Crown, Odds, Position};
 use super::law::{self, DayLaws, Law, Weight};
+use super::moment::{self, Moment};
 use super::sample::Sample;
 use super::settings::{Mode, Settings};
 use super::transition::Transition;
@@ -192,6 +193,14 @@ impl Population {
         };
         let weights: Vec<Weight<'_>> = counts.iter().map(weight).collect();
         law::laws(&weights, &self.odds, days)
+    }
+
+    /// The first day from the beginning of the weather on, but not before day 0, on which a moment has come to these leaves; none
+    /// when it does not come, as in a constant climate.
+    #[must_use]
+    pub fn day_of(&self, moment: Moment) -> Option<f64> {
+        let from = self.courses[0].first.max(0.0);
+        moment::day_of(self.names(), &self.weather, moment, from, |days| self.laws(days))
     }
 
     /// How far the law of the paper's rule lies from the exact one on a day, in total variation; none in the exact mode.

@@ -398,8 +398,12 @@ mod moments {
         let (settings, weather) = (species(), years());
         let order =
             [Moment::Flush, Moment::Summer, Moment::FirstColour, Moment::Peak, Moment::HalfBare, Moment::Winter];
-        let days: Vec<f64> = order.iter().map(|moment| day_of(&settings, &weather, *moment, 0.0).unwrap()).collect();
+        let leaves = population(&settings, &weather, 1, &ids(300));
+        let days: Vec<f64> = order.iter().map(|moment| leaves.day_of(*moment).unwrap()).collect();
         assert!(days.is_sorted_by(|a, b| a < b), "{days:?}");
-        assert_eq!(day_of(&settings, &constant(), Moment::Peak, 0.0), None);
+        let fallen = leaves.names().iter().position(|name| name == FALLEN).unwrap();
+        let bare = |day: f64| leaves.laws(&[day])[0].expected[fallen];
+        assert!(bare(days[4]) >= 0.5 && bare(days[4] - 1.0) < 0.5);
+        assert_eq!(population(&settings, &constant(), 1, &ids(3)).day_of(Moment::Peak), None);
     }
 }

@@ -2,13 +2,12 @@
 
 use super::super::calendar::{self, Calendar};
 use super::super::checker::Finding;
-use super::super::time::Time;
-use super::super::{Scene, asset, text_file, time};
+use super::super::{asset, text_file, time};
 use super::Reader;
 use crate::base::diagnostic::{Diagnostic, Fault, Place, Source};
 use crate::base::settings::Complaint;
+use crate::season::Climate;
 use crate::season::series::{self, Series};
-use crate::season::{self, Climate};
 use serde_json::Value;
 use std::sync::Arc;
 
@@ -53,19 +52,6 @@ impl Reader<'_> {
                     self.refuse("climate.series", None, diagnostic);
                 }
                 None
-            }
-        }
-    }
-
-    /// Finds the day of the scene's moment for its first species, once all else is known to be right.
-    pub(super) fn find_moment(&mut self, source: &Arc<Source>, moment: Option<season::Moment>, scene: &mut Scene) {
-        let Some(moment) = moment.filter(|_| self.findings.is_empty()) else { return };
-        match season::day_of(&scene.species[0].season, &scene.weather, moment, scene.weather.first().max(0) as f64) {
-            Some(day) => scene.time = Time::one(day),
-            None => {
-                let what = "this moment does not come in this weather";
-                let complaint = Complaint::new("moment", what, "give a series that reaches over it, or a `date`");
-                self.complain_of(source, "time", complaint);
             }
         }
     }
