@@ -25,6 +25,7 @@ pub mod export;
 pub mod frame;
 pub mod leaf;
 pub mod plan;
+pub mod plot;
 pub mod raster;
 pub mod report;
 pub mod run;

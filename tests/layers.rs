@@ -16,6 +16,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("raster", &["base", "frame"]),
     ("export", &["base", "frame"]),
     ("compare", &["base"]),
+    ("plot", &["base"]),
     ("species", &["base"]),
     ("scene", &["base", "species", "leaf", "deform", "colour", "season", "tree"]),
     ("compose", &["base", "frame", "scene", "tree", "colour"]),
