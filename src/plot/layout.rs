@@ -100,9 +100,12 @@ pub(super) fn lay_out(plot: &Plot) -> Drawing {
     Drawing { width, height, title, description: description(plot), items }
 }
 
+/// How much wider than plain letters bold ones may be.
+const BOLDNESS: f64 = 1.1;
+
 fn heading(title: &str, width: f64, sizes: Sizes) -> Primitive {
     let (size, edge) = (sizes.letter * 1.2, sizes.letter);
-    let text = cut(title, size, (width - 2.0 * edge) / 1.05);
+    let text = cut(title, size, (width - 2.0 * edge) / BOLDNESS);
     Primitive::Text(Text { is_bold: true, ..Text::plain([edge, sizes.letter * 1.9], text, size, Anchor::Start, INK) })
 }
 

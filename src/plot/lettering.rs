@@ -1,9 +1,11 @@
 //! Texts as strokes at pixels.
 
 use super::letters::{BASE, LINES, Point, STROKE, TRACKING, UNITS, glyph, strokes};
-use super::primitive::{Anchor, Pixel, Text};
+use super::primitive::{Anchor, Pixel, Text, crisp};
 use super::words::{POWER_RISE, POWER_SIZE, runs, width};
 
+/// Strokes of less pixels are moved to whole ones.
+const THIN: f64 = 1.3;
 /// Straight pieces of a curve.
 const PIECES: u32 = 8;
 
@@ -25,7 +27,11 @@ pub(super) fn letter(text: &Text) -> Lettering {
         Anchor::End => whole,
     };
     // Level text stands on whole pixels, so that its level strokes are crisp.
-    let base = if text.direction == [1.0, 0.0] { [text.at[0], text.at[1].round()] } else { text.at };
+    let is_level = text.direction == [1.0, 0.0];
+    let base = if is_level { [text.at[0], text.at[1].round()] } else { text.at };
+    // So does the first stem of a thin letter: half grey on two pixels, an `i` would be lost between others. Thicker ones
+    // gain less than their even spacing is worth.
+    let is_fitted = is_level && stroke < THIN;
     let mut lines = vec![];
     let mut pen = -before;
     for run in runs(&text.text) {
@@ -33,16 +39,25 @@ pub(super) fn letter(text: &Text) -> Lettering {
         let rise = if run.is_power { (text.size * POWER_RISE).round() } else { 0.0 } + stroke.round() / 2.0;
         for letter in run.text.chars() {
             let (advance, table) = glyph(letter);
+            let strokes = strokes(table);
+            let stem = stem(&strokes).filter(|_| is_fitted).map(|x| base[0] + pen + x * size / UNITS);
+            let pen_fitted = pen + stem.map_or(0.0, |stem| crisp(stem, stroke) - stem);
             let place = |point: [f64; 2]| {
-                let (along, up) = (pen + point[0] * size / UNITS, rise + fitted(point[1], size));
+                let (along, up) = (pen_fitted + point[0] * size / UNITS, rise + fitted(point[1], size));
                 let [right, down] = text.direction;
                 [base[0] + along * right + up * down, base[1] + along * down - up * right]
             };
-            lines.extend(strokes(table).iter().map(|points| flattened(points).into_iter().map(place).collect()));
+            lines.extend(strokes.iter().map(|points| flattened(points).into_iter().map(place).collect()));
             pen += (advance + TRACKING) * size / UNITS;
         }
     }
     Lettering { lines, stroke }
+}
+
+/// Where the first upright straight of a letter stands, in units.
+fn stem(strokes: &[Vec<Point>]) -> Option<f64> {
+    let is_upright = |pair: &&[Point]| pair[0].x == pair[1].x && !pair[0].is_control && !pair[1].is_control;
+    strokes.iter().flat_map(|stroke| stroke.windows(2)).find(is_upright).map(|pair| f64::from(pair[0].x))
 }
 
 /// The height above the base line, in pixels: the lines of the letters are whole pixels apart, the rest lies between.
@@ -99,7 +114,7 @@ mod tests {
         for size in [10.0, 14.0, 21.0, 28.0] {
             let middle = letter(&text("HOH", size, Anchor::Middle));
             let [left, right] = ends(&middle, 0);
-            assert!((left.midpoint(right) - 100.0).abs() < 0.05 * size);
+            assert!((left.midpoint(right) - 100.0).abs() < 0.6, "{size}");
             let lowest = ends(&middle, 1)[1];
             assert_eq!(lowest + middle.stroke.round() / 2.0, 50.0, "{size}");
             assert!(ends(&letter(&text("H", size, Anchor::Start)), 0)[0] > 100.0);

@@ -75,8 +75,8 @@ fn attributes<'a>(svg: &'a str, element: &str, name: &str) -> Vec<&'a str> {
     svg.split(&format!("<{element} ")).skip(1).map(|rest| rest.split('>').next().unwrap()).filter_map(of_tag).collect()
 }
 
-fn texts(drawing: &Drawing) -> Vec<&Text> {
-    let text = |item| if let &Primitive::Text(ref text) = item { Some(text) } else { None };
+fn texts<'a>(drawing: &'a Drawing) -> Vec<&'a Text> {
+    let text = |item: &'a Primitive| if let Primitive::Text(text) = item { Some(text) } else { None };
     drawing.items.iter().filter_map(text).collect()
 }
 

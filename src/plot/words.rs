@@ -7,7 +7,7 @@ pub(super) const POWER_SIZE: f64 = 0.72;
 /// How far a power is raised, in sizes of those letters.
 pub(super) const POWER_RISE: f64 = 0.36;
 /// How much wider than our own a reader's font may be.
-const RESERVE: f64 = 1.04;
+const RESERVE: f64 = 1.1;
 
 /// Part of a text: letters on the base line, or a power above it.
 #[derive(Clone, Debug, PartialEq, Eq)]
