@@ -123,7 +123,7 @@ fn texture_jobs(scene: &Scene, states: &[String], worn: &[Garment]) -> Vec<colou
 }
 
 fn bent(scene: &Scene, blade: &Blade, jobs: &[deform::Job]) -> Vec<Mesh> {
-    deform::deform(&scene.species[0].deform, &blade.mesh, jobs, scene.seed, &Limits::default()).expect("shapes").0
+    deform::deform(&scene.species[0].deform, blade, jobs, scene.seed, &Limits::default()).expect("shapes").0
 }
 
 /// What each garment is made of; `shapes` and `textures` are in the order of their items.

@@ -5,15 +5,17 @@ mod deform_meshes;
 use deform_meshes::{distance, flat, jobs, ovate, shapes};
 use leafseason::base::flat_mesh::FlatMesh;
 use leafseason::base::limits::{Limit, Limits};
+use leafseason::base::picture::Picture;
 use leafseason::base::vector::{DVec2, Vec2};
-use leafseason::deform::{self, DeformError, Field, Model, Settings, shell};
+use leafseason::deform::integrators::{Method, run};
+use leafseason::deform::{self, DeformError, Field, Flat, Model, Settings, shell};
 
 fn shell(shell: shell::Settings) -> Settings {
     Settings { model: Model::Shell, shell, ..Settings::default() }
 }
 
 fn paper() -> Settings {
-    Settings { model: Model::Paper, ..Settings::default() }
+    Settings { model: Model::Paper, steps: 500, force: 6e-3, ..Settings::default() }
 }
 
 fn refusal(settings: &Settings, mesh: &FlatMesh) -> DeformError {
@@ -161,6 +163,82 @@ fn memory_is_refused_before_it_is_taken() {
     limits.set(Limit::Memory, 1e5);
     let refused = deform::deform(&Settings::default(), &ovate(12), &jobs(&[0.5]), 1, &limits);
     assert!(matches!(refused, Err(DeformError::Refused(refusal)) if refusal.limit == Limit::Memory));
+}
+
+#[test]
+#[ignore = "takes a minute and more than a gigabyte"]
+fn a_hundred_thousand_vertices_settle() {
+    let settings = shell(shell::Settings { curl: 10.0, ..shell::Settings::default() });
+    let iterations = |rings| shapes(&settings, &ovate(rings), &[1.0]).1("iterations");
+    let (few, many) = (iterations(26), iterations(182));
+    assert!(many <= 2.0 * few, "{few} {many}");
+}
+
+#[test]
+fn a_mesh_of_two_levels_has_the_shape_of_one() {
+    // 8,269 vertices start from a coarser mesh; 2,107 do not.
+    let settings = shell(shell::Settings { curl: 10.0, ..shell::Settings::default() });
+    let [coarse, fine] = [26, 52].map(ovate);
+    let [a, b] = [&coarse, &fine].map(|mesh| shapes(&settings, mesh, &[0.6]).0.remove(0).positions);
+    let twin = |p: &DVec2| fine.positions.iter().position(|q| (q - p).norm() < 1e-9).expect("a twin");
+    let twins: Vec<_> = coarse.positions.iter().map(|p| b[twin(p)]).collect();
+    let difference = distance(&a, &twins) / distance(&twins, &flat(&coarse));
+    assert!(difference < 0.01, "{difference}");
+}
+
+#[test]
+fn a_mask_of_any_size_bends_alike() {
+    let mesh = FlatMesh { uv_scale: 0.94 / 0.08, uv_origin: DVec2::new(0.5, 0.97), ..ovate(8) };
+    let shape = |width: u32, height: u32| {
+        let grey = |i: u32| {
+            let x = (f64::from(i % width) + 0.5) / f64::from(width) - 0.5;
+            let grey = 255.0 * (1.0 - (x / 0.47 / 0.7).abs()).clamp(0.0, 1.0);
+            [grey as u8, grey as u8, grey as u8, 255]
+        };
+        let mask = Picture { width, height, pixels: (0..width * height).map(grey).collect() };
+        let flat = Flat { mesh: &mesh, mask: Some(&mask) };
+        deform::deform(&Settings::default(), flat, &jobs(&[0.5]), 1, &Limits::default()).expect("a shape").0.remove(0)
+    };
+    let (square, wide) = (shape(512, 512), shape(700, 90));
+    let away = distance(&square.positions, &flat(&mesh));
+    assert!(distance(&square.positions, &wide.positions) < 0.02 * away, "{away}");
+    assert!(shape(1, 1).check().is_ok());
+}
+
+#[test]
+fn settings_out_of_range_are_refused_by_their_key() {
+    for (key, value) in [
+        ("strain_limit", "-0.1"),
+        ("strain_limit", "nan"),
+        ("step", "0.0"),
+        ("step", "-1e-4"),
+        ("step", "nan"),
+        ("step", "1e-300"),
+        ("step", "1e300"),
+    ] {
+        let text = format!("species = \"red-maple\"\n[deform]\nmodel = \"paper\"\n{key} = {value}\n");
+        let folder = tempfile::tempdir().expect("a folder");
+        let scene = folder.path().join("scene.toml");
+        std::fs::write(&scene, text).expect("a scene");
+        let run = std::process::Command::new(env!("CARGO_BIN_EXE_leafseason")).arg("plan").arg(&scene).output();
+        let run = run.expect("a run");
+        let told = String::from_utf8_lossy(&run.stderr).into_owned();
+        assert_eq!(run.status.code(), Some(3), "{key} = {value}: {told}");
+        assert!(told.contains(key), "{key} = {value}: {told}");
+    }
+}
+
+#[test]
+fn stiff_sheets_do_not_shake_the_implicit_ways() {
+    // A thickness of a thousandth: stretch is 10^7 times stiffer than bending.
+    let settings = shell::Settings { thickness: 1e-3, curl: 3.0, ..shell::Settings::default() };
+    let mesh = ovate(5);
+    for method in [Method::Implicit { steps: 8 }, Method::PositionBased { steps: 100 }] {
+        let found = run(&settings, &mesh, &[0.5, 1.0], 1, method).expect("a run");
+        assert!(found.energies.iter().all(|energy| energy.is_finite()), "{method:?}");
+        let far = found.shapes.iter().flatten().map(|p| p.norm()).fold(0.0, f64::max);
+        assert!(far < 3.0, "{method:?}: {far}");
+    }
 }
 
 #[test]

@@ -9,10 +9,12 @@ mod paper;
 mod settings;
 pub mod shell;
 
+use crate::base::blade::Blade;
 use crate::base::figures::Figures;
 use crate::base::flat_mesh::FlatMesh;
 use crate::base::limits::{Limits, Refusal};
 use crate::base::mesh::Mesh;
+use crate::base::picture::Picture;
 use crate::base::settings::Complaint;
 use crate::base::vector::{DVec3, Vec3};
 pub use settings::{Automatic, Field, Model, Settings, StateShape, Step};
@@ -89,20 +91,44 @@ pub fn check(settings: &Settings) -> Vec<Complaint> {
     }
 }
 
+/// A leaf to be bent.
+#[derive(Clone, Copy, Debug)]
+pub struct Flat<'a> {
+    /// Its mesh.
+    pub mesh: &'a FlatMesh,
+    /// Its mask, by the mesh's texture coordinates; without one, greys between the vertices are taken from theirs.
+    pub mask: Option<&'a Picture>,
+}
+
+impl<'a> From<&'a FlatMesh> for Flat<'a> {
+    fn from(mesh: &'a FlatMesh) -> Self {
+        Self { mesh, mask: None }
+    }
+}
+
+impl<'a> From<&'a Blade> for Flat<'a> {
+    fn from(blade: &'a Blade) -> Self {
+        let whole = blade.mask.width > 0 && blade.mask.height > 0;
+        Self { mesh: &blade.mesh, mask: whole.then_some(&blade.mask) }
+    }
+}
+
 /// Makes a shape for each job, in the jobs' order. The same jobs give the same bytes on any thread count and in any company.
 ///
 /// # Errors
 /// [`DeformError`] when the settings do not suit the mesh, or a limit refuses the work.
-pub fn deform(
+pub fn deform<'a>(
     settings: &Settings,
-    mesh: &FlatMesh,
+    leaf: impl Into<Flat<'a>>,
     jobs: &[Job],
     seed: u64,
     limits: &Limits,
 ) -> Result<(Vec<Mesh>, Figures), DeformError> {
+    let flat = leaf.into();
+    let mesh = flat.mesh;
     sound(mesh)?;
     let (shapes, figures) = match settings.model {
-        Model::Shell => shell::shapes(&settings.shell, mesh, jobs, seed, limits)?,
+        Model::Shell => shell::shapes(&settings.shell, &flat, jobs, seed, limits)?,
         Model::Paper => paper::shapes(settings, mesh, jobs, seed, limits)?,
     };
     Ok((shapes.iter().map(|positions| shape(mesh, positions)).collect(), figures))

@@ -30,8 +30,6 @@ pub const SIDE: usize = 512;
 /// The blade's greys go on beyond its margin for this many pixels, so that nothing else is read at the mesh's rim.
 const SPILL: usize = 8;
 
-/// Least reach of a main vein's white, in edges of the mesh.
-const NO_SLIP: f64 = 0.33;
 /// Share of `vein_ends` within which veins have no white at all, so that the very rim is free.
 const STILL_MARGIN: f32 = 0.2;
 
@@ -55,9 +53,9 @@ settings! {
         petiole_reach: f64 = 0.15, unit "square roots of the blade's area", range 0.01 => 1.0;
         /// Whiteness of veins: 1 holds them still, 0 ignores them.
         veins: f64 = 1.0, range 0.0 => 1.0;
-        /// How far the white of a main vein reaches, that of secondaries 0.7 of it. It is at least a third of
-        /// the mesh's edges, so that veins do not slip between vertices.
-        vein_reach: f64 = 0.02, unit "square roots of the blade's area", range 0.001 => 0.2;
+        /// How far the white of a main vein reaches, that of secondaries 0.7 of it. The default is a third of the edges of a
+        /// mesh of 220 vertices, so that veins do not slip between them.
+        vein_reach: f64 = 0.024, unit "square roots of the blade's area", range 0.001 => 0.2;
         /// Depth below the margin, as a share of the deepest place, at which veins have their full white: their ends move.
         vein_ends: f64 = 0.12, range 0.0 => 1.0;
         /// Deviation of the final blur.
@@ -66,13 +64,12 @@ settings! {
 }
 
 /// Draws the mask of a blade: its outline and the outlines of its holes (metres, in the mesh's plane, either sense), its
-/// veins, and the mesh for the layout and the length of its edges. Grey, opaque; black where there is no blade.
+/// veins, and the mesh for the layout. Grey, opaque; black where there is no blade.
 #[must_use]
 pub fn drawn(mesh: &FlatMesh, outline: &[DVec2], holes: &[&[DVec2]], veins: &[Vein], law: &Mask) -> Picture {
     let layout = Layout::new(mesh, outline);
     let fields = Fields::new(&layout, outline, holes, law);
-    let reach = (law.vein_reach * layout.size).max(NO_SLIP * mean_edge(mesh) * layout.scale);
-    let white = fields::whiteness(&layout, veins, reach);
+    let white = fields::whiteness(&layout, veins, law.vein_reach * layout.size);
     let raw = |cell: usize| if fields.inside.cells[cell] { grey(law, &fields, white.cells[cell], cell) } else { 0.0 };
     let greys = Grid { width: SIDE, height: SIDE, cells: (0..SIDE * SIDE).map(raw).collect() };
     let smooth = smoothed(&greys, &fields.inside, law.blur * layout.size);
@@ -96,13 +93,6 @@ fn grey(law: &Mask, fields: &Fields, white: f32, cell: usize) -> f32 {
     let full = smooth_step(STILL_MARGIN * ends, ends.max(1e-6), fields.depth.cells[cell]);
     let vein = law.veins * f64::from(white * full);
     (255.0 * (1.0 - curl.clamp(0.0, 1.0) * (1.0 - vein))) as f32
-}
-
-/// Mean length of the mesh's edges, metres.
-fn mean_edge(mesh: &FlatMesh) -> f64 {
-    let edges = mesh.edges();
-    let length = |e: &[u32; 2]| (mesh.positions[e[0] as usize] - mesh.positions[e[1] as usize]).norm();
-    edges.iter().map(length).sum::<f64>() / edges.len().max(1) as f64
 }
 
 /// Blurred within the blade (normalised convolution), and spilt a little over its margin.

@@ -227,7 +227,7 @@ fn blade(settings: &Settings, pictures: Pictures, trace: Option<&Trace>) -> Resu
         Meshing::Delaunay => remesh::bare(&shape.loops, vertices)?,
     };
     let mut figures = figures(&mesh, &outlines, shape.keys.len(), trace);
-    let mut flat = laid_out(&mesh);
+    let mut flat = laid_out(&mesh, settings.length * 1e-3);
     let scanned = pictures.picture.zip(trace);
     let (veins, source) = match (shape.veins.is_empty(), trace.is_some()) {
         (true, true) => (veins::grown(&outlines[0], settings.venation), "outline, none seen in the scan"),
@@ -312,7 +312,7 @@ fn dense(spline: &Spline, length: f64) -> Vec<DVec2> {
 }
 
 /// The mesh by the contract of [`FlatMesh`]; greys are left out.
-fn laid_out(mesh: &Remesh) -> FlatMesh {
+fn laid_out(mesh: &Remesh, length: f64) -> FlatMesh {
     let rim = &mesh.points[mesh.loops[0].clone()];
     let low = rim.iter().fold(rim[0], |low, p| low.inf(p));
     let high = rim.iter().fold(rim[0], |high, p| high.sup(p));
@@ -323,7 +323,7 @@ fn laid_out(mesh: &Remesh) -> FlatMesh {
         positions: mesh.points.clone(),
         triangles: mesh.topology.triangles.clone(),
         rim: (0..mesh.loops[0].end as u32).collect(),
-        held: held(mesh),
+        held: held(mesh, length),
         uv_scale,
         uv_origin,
         ..FlatMesh::default()
@@ -332,17 +332,19 @@ fn laid_out(mesh: &Remesh) -> FlatMesh {
     flat
 }
 
-/// The vertex nearest the joint and those joined to it: enough to hold the blade's direction.
-fn held(mesh: &Remesh) -> Vec<u32> {
+/// Distance from the joint, in lengths of the blade, within which the petiole holds vertices.
+const HELD: f64 = 0.04;
+
+/// The vertices that the petiole holds: those near the joint, the nearest and those joined to it in any case, which is enough
+/// to hold the blade's direction.
+fn held(mesh: &Remesh, length: f64) -> Vec<u32> {
     let distance = |&v: &usize| mesh.points[v].norm();
-    let joint = (0..mesh.points.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0) as u32;
-    let beside = mesh.topology.edges.iter().filter_map(|&[a, b]| match joint {
-        v if v == a => Some(b),
-        v if v == b => Some(a),
-        _ => None,
-    });
-    let mut held: Vec<u32> = beside.chain([joint]).collect();
+    let joint = (0..mesh.points.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0);
+    let beside = mesh.topology.edges.iter().filter(|edge| edge.contains(&(joint as u32))).flatten().copied();
+    let near = (0..mesh.points.len()).filter(|v| distance(v) <= HELD * length).map(|v| v as u32);
+    let mut held: Vec<u32> = beside.chain(near).chain([joint as u32]).collect();
     held.sort_unstable();
+    held.dedup();
     held
 }
 

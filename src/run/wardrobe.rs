@@ -137,7 +137,7 @@ impl Tailor<'_> {
             deform::Job { state, variant, dryness }
         };
         let jobs: Vec<deform::Job> = items.iter().map(job).collect();
-        let made = self.timed("deform", || deform::deform(&species.deform, &blade.mesh, &jobs, scene.seed, limits));
+        let made = self.timed("deform", || deform::deform(&species.deform, blade, &jobs, scene.seed, limits));
         let made = made.map_err(|error| fault::deform(species, &error))?;
         Ok(items.into_iter().zip(made.into_iter().map(Arc::new)).collect())
     }

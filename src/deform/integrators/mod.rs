@@ -9,10 +9,9 @@ mod explicit;
 mod implicit;
 mod position_based;
 
-use crate::base::flat_mesh::FlatMesh;
 use crate::base::vector::DVec3;
-use crate::deform::DeformError;
 use crate::deform::shell::{self, Blade};
+use crate::deform::{DeformError, Flat};
 
 /// A way to integrate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,14 +57,14 @@ struct Motion {
 ///
 /// # Errors
 /// [`DeformError`] for a broken mesh, when Newton's method does not settle, or when a run flies apart.
-pub fn run(
+pub fn run<'a>(
     settings: &shell::Settings,
-    mesh: &FlatMesh,
+    flat: impl Into<Flat<'a>>,
     drynesses: &[f64],
     seed: u64,
     method: Method,
 ) -> Result<Run, DeformError> {
-    let blade = Blade::new(settings, mesh)?;
+    let blade = Blade::new(settings, &flat.into())?;
     let drying = blade.drying(settings, seed, 0);
     if method == Method::Newton {
         return blade.newton(settings, &drying, drynesses);

@@ -145,4 +145,6 @@ fn figures(settings: &Settings, shapes: usize, runs: &BTreeMap<u32, Run>, step: 
 }
 
 #[cfg(test)]
+mod extremes;
+#[cfg(test)]
 mod tests;

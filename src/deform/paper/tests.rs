@@ -38,7 +38,7 @@ fn disc() -> FlatMesh {
 }
 
 fn paper() -> Settings {
-    Settings { model: Model::Paper, ..Settings::default() }
+    Settings { model: Model::Paper, steps: 500, force: 6e-3, ..Settings::default() }
 }
 
 fn jobs(variants: u32, dryness: &[f64]) -> Vec<Job> {

@@ -2,15 +2,14 @@
 
 use super::drying::{Drying, Irregularity};
 use super::energy::{Bent, Rest, energy};
-use super::newton::{Linear, Plan};
+use super::newton::{Plan, Solver};
 use super::path::Path;
 use super::settings::Settings;
 use super::sheet::Sheet;
 use super::tissue::Tissue;
-use crate::base::flat_mesh::FlatMesh;
 use crate::base::vector::DVec3;
-use crate::deform::DeformError;
 use crate::deform::integrators::Run;
+use crate::deform::{DeformError, Flat};
 
 /// Rounds of inverse iteration for the slowest vibration.
 const ROUNDS: u32 = 12;
@@ -23,14 +22,14 @@ pub struct Blade {
 }
 
 impl Blade {
-    /// Of a mesh.
+    /// Of a leaf.
     ///
     /// # Errors
     /// [`DeformError`] for a broken mesh.
-    pub fn new(settings: &Settings, mesh: &FlatMesh) -> Result<Self, DeformError> {
-        crate::deform::sound(mesh)?;
-        let tissue = Tissue::new(settings, mesh);
-        let sheet = Sheet::new(settings, mesh, tissue.extent, &tissue.ribs);
+    pub fn new(settings: &Settings, flat: &Flat) -> Result<Self, DeformError> {
+        crate::deform::sound(flat.mesh)?;
+        let tissue = Tissue::new(settings, flat);
+        let sheet = Sheet::new(settings, flat.mesh, tissue.extent, &tissue.ribs);
         let plan = Plan::new(&sheet);
         Ok(Self { sheet, tissue, plan })
     }
@@ -56,8 +55,8 @@ impl Blade {
     }
 
     /// A solver of linear systems with its Hessian.
-    pub fn linear(&self) -> Linear<'_> {
-        Linear::new(&self.sheet, &self.plan)
+    pub fn linear(&self) -> Solver<'_> {
+        Solver::new(&self.sheet, &self.plan)
     }
 
     /// The slowest vibration of the flat blade, radians over the unit of time at unit density.
@@ -95,7 +94,7 @@ impl Blade {
     }
 }
 
-impl Linear<'_> {
+impl Solver<'_> {
     /// Solves (K + inertia M) d = load - g at positions, K the tamed Hessian, g the gradient, M the areas; held vertices get
     /// nought. `None` when the matrix is not positive definite.
     pub fn solved(&mut self, rest: &Rest, positions: &[DVec3], inertia: f64, load: &[DVec3]) -> Option<Vec<DVec3>> {

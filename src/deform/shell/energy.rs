@@ -68,6 +68,11 @@ impl<'a> Bent<'a> {
         Self { sheet, rest, positions, folds, moments }
     }
 
+    /// Where a vertex is.
+    pub fn position(&self, vertex: u32) -> DVec3 {
+        self.positions[vertex as usize]
+    }
+
     /// The springs' own stretches.
     pub fn stretches(&self) -> Vec<f64> {
         stretches(self.sheet, self.rest, self.positions, self.positions)
@@ -224,7 +229,8 @@ fn differences(plate: &Plate, folds0: &[f64; 3], fold: impl Fn(usize) -> f64) ->
     DVec3::new(difference(0), difference(1), difference(2))
 }
 
-fn flat(m: &DMat3) -> Block {
+/// A block of a matrix.
+pub fn flat(m: &DMat3) -> Block {
     // nalgebra keeps columns together.
     let mut block = [0.0; 9];
     for i in 0..3 {

@@ -10,10 +10,9 @@
 //! shape is a saddle, and a push along a soft direction leaves it. The last steps are always with the whole Hessian positive
 //! definite: what is handed out is a minimum.
 
-use super::energy::{Bent, Places, Rest, couplings, energy, stretches};
+use super::energy::{Bent, Places, Rest, couplings, energy, flat, stretches};
 use super::sheet::Sheet;
-use crate::base::limits::{Limit, Limits, Refusal};
-use crate::base::vector::{DVec2, DVec3};
+use crate::base::vector::{DMat3, DVec2, DVec3};
 use crate::deform::cholesky::{Factor, Matrix, NOWHERE, Symbolic};
 
 /// Share of the largest number on the diagonal that is added to all of it: keeps motions that cost nothing (of a free leaf)
@@ -40,9 +39,6 @@ const IDLE: u32 = 5;
 /// Length of the push off a saddle, extents.
 const PUSH: f64 = 3e-3;
 
-/// Linear systems with a sheet's Hessian.
-pub type Linear<'a> = Solver<'a>;
-
 /// The solver of one sheet.
 pub struct Solver<'a> {
     sheet: &'a Sheet,
@@ -53,6 +49,8 @@ pub struct Solver<'a> {
     areas: Vec<f64>,
     matrix: Matrix,
     factor: Factor,
+    /// Three vertices far apart, by elimination number, of a sheet that nothing holds.
+    anchors: Option<[u32; 3]>,
 }
 
 /// A place to come back to, with the step from it and what it promised.
@@ -99,7 +97,7 @@ pub struct Outcome {
     pub iterations: u64,
     /// Factorisations, with those that did not hold.
     pub factorisations: u64,
-    /// Saddles left.
+    /// Saddles that were reached and left behind.
     pub saddles: u64,
     /// Energy, in bending stiffnesses.
     pub energy: f64,
@@ -107,6 +105,15 @@ pub struct Outcome {
     pub residual: f64,
     /// Length of the last step, extents.
     pub step: f64,
+}
+
+impl Outcome {
+    /// Adds the work of another.
+    pub fn add(&mut self, other: Self) {
+        self.iterations += other.iterations;
+        self.factorisations += other.factorisations;
+        self.saddles += other.saddles;
+    }
 }
 
 /// The shape was not reached; the outcome so far.
@@ -136,12 +143,9 @@ impl Plan {
         Self { symbolic, vertices }
     }
 
-    /// Allows the memory of `solvers` at a time, or refuses it.
-    ///
-    /// # Errors
-    /// A [`Refusal`].
-    pub fn allow(&self, solvers: usize, limits: &Limits) -> Result<(), Refusal> {
-        limits.allow(Limit::Memory, "leaf.vertices", self.symbolic.bytes() * solvers as f64)
+    /// Bytes that a factor takes.
+    pub fn bytes(&self) -> f64 {
+        self.symbolic.bytes()
     }
 }
 
@@ -155,7 +159,8 @@ impl<'a> Solver<'a> {
         let matrix = Matrix::new(vertices.len(), pairs.filter(|pair| !pair.contains(&NOWHERE)));
         let places = Places::new(sheet, numbers, &matrix);
         let areas = vertices.iter().map(|&v| sheet.areas[v as usize]).collect();
-        Self { sheet, places, vertices, areas, matrix, factor: Factor::new(plan.symbolic.clone()) }
+        let anchors = anchors(sheet).map(|anchors| anchors.map(|v| plan.symbolic.numbers[v as usize]));
+        Self { sheet, places, vertices, areas, matrix, factor: Factor::new(plan.symbolic.clone()), anchors }
     }
 
     /// Moves the positions, at rest under the load `before`, to a shape of least energy near them.
@@ -267,6 +272,7 @@ impl<'a> Solver<'a> {
         let ones = vec![1.0; self.areas.len()];
         for tamed in [false, true] {
             bent.hessian(&self.places, &mut self.matrix, stretches, tamed);
+            self.anchor(bent);
             let floor = self.matrix.largest_diagonal() * FLOOR;
             self.matrix.shift(&ones, floor);
             outcome.factorisations += 1;
@@ -275,6 +281,24 @@ impl<'a> Solver<'a> {
             }
         }
         self.shifted().then_some(false)
+    }
+
+    /// Ties a sheet that nothing holds at the six freedoms of its anchors that are its rigid motions. Its forces neither push
+    /// nor turn it, so that the ties carry nothing: they only choose the step that does not move it as a whole.
+    fn anchor(&mut self, bent: &Bent) {
+        let Some(anchors) = self.anchors else { return };
+        let [a, b, c] = anchors.map(|number| bent.position(self.vertices[number as usize]));
+        let along = (b - a).normalize();
+        let normal = along.cross(&(c - a)).normalize();
+        let whole = DMat3::identity();
+        let tie = self.matrix.largest_diagonal();
+        let ties = [whole, whole - along * along.transpose(), normal * normal.transpose()];
+        for (number, block) in anchors.into_iter().zip(ties) {
+            if block.iter().all(|x| x.is_finite()) {
+                let place = self.matrix.place(number, number);
+                self.matrix.add(place, [number, number], &flat(&(block * tie)), false);
+            }
+        }
     }
 
     /// Factors the matrix with the least shift that makes it definite; false when none does.
@@ -308,6 +332,7 @@ impl<'a> Solver<'a> {
     /// shifted until it is definite. The start of the iteration is fixed, rough, and other at each saddle.
     fn push(&mut self, bent: &Bent, trail: &Trail, gradient: &[[f64; 3]], number: u64) -> Vec<[f64; 3]> {
         bent.hessian(&self.places, &mut self.matrix, &trail.stretches, false);
+        self.anchor(bent);
         let _ = self.shifted();
         let rough = |i: usize, k: usize| {
             let hash = crate::base::random::hash(i as u64 * 3 + k as u64, number);
@@ -358,6 +383,20 @@ impl<'a> Solver<'a> {
     fn gathered(&self, all: &[DVec3]) -> Vec<[f64; 3]> {
         self.vertices.iter().map(|&v| all[v as usize].into()).collect()
     }
+}
+
+/// Three vertices of a sheet that nothing holds: one, that farthest from it, and that farthest from the line of both. `None`
+/// when it is held, or is no more than a line.
+fn anchors(sheet: &Sheet) -> Option<[u32; 3]> {
+    let first = sheet.places.first().filter(|_| !sheet.held.contains(&true))?;
+    let farthest = |distance: &dyn Fn(DVec2) -> f64| {
+        let distance = |v: usize| distance(sheet.places[v] - first);
+        let last = (0..sheet.places.len()).max_by(|&u, &v| distance(u).total_cmp(&distance(v)).then(v.cmp(&u)))?;
+        (distance(last) > 0.0).then_some(last)
+    };
+    let second = farthest(&|way| way.norm_squared())?;
+    let third = farthest(&|way| way.perp(&(sheet.places[second] - first)).abs())?;
+    Some([0, second as u32, third as u32])
 }
 
 fn product(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {

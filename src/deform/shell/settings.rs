@@ -9,13 +9,17 @@ settings! {
         /// Curvature that the darkest part of the mask has when quite dry, in radians for each extent: 15 rolls a margin to a
         /// radius of a fifteenth of the blade. Negative curls downwards.
         curl: f64 = 15.0, range -1000.0 => 1000.0;
+        /// Thickness of the blade's upper layer over that of the lower one; `curl` is that of layers alike.
+        upper_thickness: f64 = 1.0, range 0.01 => 100.0;
+        /// Stiffness of the upper layer over that of the lower one.
+        upper_stiffness: f64 = 1.0, range 0.01 => 100.0;
         /// Share of the curl that goes across the midrib (the blade's long axis) instead of across the nearest veins: with 1 the
         /// blade rolls up as a whole, with 0 each lobe and margin for itself.
-        roll: f64 = 0.2, range 0.0 => 1.0;
-        /// Share of the curl that goes all ways alike: 0 rolls, 1 cups.
-        cupping: f64 = 0.3, range 0.0 => 1.0;
+        roll: f64 = 0.05, range 0.0 => 1.0;
+        /// Share of the curl that goes all ways alike where the mask is darkest, hence at tips and margins: 0 rolls, 1 cups.
+        cupping: f64 = 0.4, range 0.0 => 1.0;
         /// Strain by which the darkest part of the mask shrinks in its plane when quite dry; veins do not.
-        shrink: f64 = 0.08, range 0.0 => 0.5;
+        shrink: f64 = 0.14, range 0.0 => 0.5;
         /// How far drying runs ahead at the margin: where the blade is deepest it is the state's dryness to the power of one
         /// more than this.
         front: f64 = 0.5, range 0.0 => 4.0;
@@ -29,7 +33,7 @@ settings! {
         /// Poisson ratio of bending.
         poisson_ratio: f64 = 0.33, range 0.0 => 0.49;
         /// Bending stiffness of a vein along itself, in units of the blade's.
-        vein_stiffness: f64 = 100.0, range 0.0 => 1e4;
+        vein_stiffness: f64 = 200.0, range 0.0 => 1e4;
         /// Weight of the blade, pressing towards its lower side: weight of a unit of area times the cube of the extent over the
         /// bending stiffness. A strip held at one end sinks by an eighth of this for small values.
         gravity: f64 = 0.0, range -1e4 => 1e4;

@@ -76,6 +76,8 @@ pub struct Rib {
     pub stiffness: f64,
     /// t t' of the unit direction t (less than unit where the direction is not clear).
     pub along: Tensor,
+    /// Additional bending stiffness every way, in units of the blade's.
+    pub thickening: f64,
 }
 
 impl Sheet {
@@ -193,7 +195,8 @@ impl Plate {
         let entry = |i: usize, j: usize| {
             let cosine = normals[i].dot(&normals[j]);
             let plate = (1.0 - poisson_ratio) * cosine * cosine + poisson_ratio;
-            (plate + rib.stiffness * along[i] * along[j]) * lengths[i] * lengths[j] / (2.0 * self.doubled_area)
+            ((1.0 + rib.thickening) * plate + rib.stiffness * along[i] * along[j]) * lengths[i] * lengths[j]
+                / (2.0 * self.doubled_area)
         };
         let mut form = DMat3::from_fn(entry);
         for i in 0..3 {

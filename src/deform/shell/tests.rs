@@ -80,7 +80,7 @@ fn crumpled(sheet: &Sheet, by: f64) -> Vec<DVec3> {
 fn the_gradient_is_the_slope_of_the_energy_and_the_hessian_that_of_the_gradient() {
     let mesh = FlatMesh { held: vec![2], ..rectangle(5, 0.5) };
     let settings = Settings { thickness: 0.2, ..Settings::default() };
-    let rib = Rib { stiffness: 5.0, along: [0.5, 0.2, 0.4] };
+    let rib = Rib { stiffness: 5.0, along: [0.5, 0.2, 0.4], thickening: 2.0 };
     let sheet = Sheet::new(&settings, &mesh, 1.0, &vec![rib; mesh.triangles.len()]);
     let rest = Rest { weight: 3.0, ..bent_to(&sheet, [1.5, 0.4, -0.7]) };
     let positions = crumpled(&sheet, 0.03);
@@ -268,4 +268,19 @@ fn a_flat_start_that_wants_to_buckle_is_left() {
     assert!(outcome.saddles > 0, "{outcome:?}");
     assert!(positions.iter().map(|p| p.z.abs()).fold(0.0, f64::max) > 0.05);
     assert!(outcome.energy < 0.5 * energy(&sheet, &rest, &flat(&sheet)));
+}
+
+#[test]
+fn a_saddle_curvature_gives_a_symmetric_shape() {
+    let sheet = sheet(&Settings::default(), &rectangle(16, 0.6));
+    let rests = [1.0, 3.0].map(|k| bent_to(&sheet, [k, 0.0, -k]));
+    let mut positions = settled(&sheet, &rests);
+    super::alignment::laid_onto(&sheet.places, &sheet.areas, &mut positions);
+    assert!(positions.iter().map(|p| p.z.abs()).fold(0.0, f64::max) > 0.05);
+    for (p, place) in positions.iter().zip(&sheet.places) {
+        let mirrored = DVec2::new(1.0 - place.x, place.y);
+        let twin = sheet.places.iter().position(|q| (q - mirrored).norm() < 1e-9).unwrap();
+        let q = positions[twin];
+        assert!((p - DVec3::new(1.0 - q.x, q.y, q.z)).norm() < 1e-4, "{p} {q}");
+    }
 }

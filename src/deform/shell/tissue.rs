@@ -1,14 +1,16 @@
 //! What the mask says of the blade's tissue: how much each place moves, how deep inside the blade it lies, which way the veins
 //! run, and how stiff they are. All are smooth over lengths that belong to the blade and not to its mesh.
 
+use super::chart::Chart;
 use super::settings::Settings;
 use super::sheet::{Rib, Tensor};
 use crate::base::flat_mesh::FlatMesh;
-use crate::base::maths::pow;
+use crate::base::maths::{pow, smooth_step};
 use crate::base::vector::DVec2;
+use crate::deform::Flat;
 
 /// Widths over which the mask and the direction of the veins are smoothed, extents.
-const MASK_WIDTH: f64 = 0.02;
+const MASK_WIDTH: f64 = 0.025;
 const DIRECTION_WIDTH: f64 = 0.05;
 const RIB_WIDTH: f64 = 0.03;
 /// Share of a mask's typical slope below which the veins' direction counts as unknown.
@@ -19,19 +21,25 @@ const DARKNESS: f64 = 0.75;
 const VEIN_WIDTH: f64 = 0.06;
 /// Difference from the surroundings that is no vein yet.
 const FAINT_VEIN: f64 = 0.03;
-/// Variance in squares of an edge that one averaging over six neighbours and itself adds along an axis: 6 / 7 / 2.
-const SPREAD: f64 = 3.0 / 7.0;
-/// Most averagings; more are wanted by meshes of over 100,000 vertices only.
-const MOST_PASSES: f64 = 1000.0;
+/// Distances from the joint, extents, to which the petiole's foot reaches whole, and at which it has ended.
+const FOOT: [f64; 2] = [0.05, 0.20];
+/// How many times stiffer than the blade the foot is.
+const FOOT_STIFFNESS: f64 = 100.0;
+/// Places along a line at which the tissue is asked.
+const READINGS: u32 = 6;
+/// Every so many-th cell is asked for the greatest depth.
+const STRIDE: usize = 7;
 
 /// The tissue of a blade.
-#[derive(Clone, Debug, PartialEq)]
 pub struct Tissue {
+    chart: Chart,
+    lively: Vec<f64>,
+    has_foot: bool,
     /// Extent of the blade: the longer side of its bounding box, metres.
     pub extent: f64,
     /// Middle of the bounding box, extents.
     pub middle: DVec2,
-    /// How much each vertex moves, 0 to 1: the mask's darkness to the power of `DARKNESS`.
+    /// How much each triangle moves, 0 to 1: the mask's darkness to the power of `DARKNESS`.
     pub liveliness: Vec<f64>,
     /// Depth of each vertex below the margin, 0 there and 1 where it is deepest.
     pub depth: Vec<f64>,
@@ -42,25 +50,41 @@ pub struct Tissue {
 }
 
 impl Tissue {
-    /// Of a mesh with its mask's greys.
-    pub fn new(settings: &Settings, mesh: &FlatMesh) -> Self {
+    /// Of a leaf.
+    pub fn new(settings: &Settings, flat: &Flat) -> Self {
+        let mesh = flat.mesh;
         let (extent, middle) = bounds(mesh);
-        let neighbours = Neighbours::of(mesh, extent);
-        let lively: Vec<f64> =
-            mesh.greys.iter().map(|grey| pow(1.0 - grey.clamp(0.0, 255.0) / 255.0, DARKNESS)).collect();
-        let liveliness = neighbours.smoothed(lively.clone(), MASK_WIDTH);
-        let around = neighbours.smoothed(lively.clone(), VEIN_WIDTH);
+        let (chart, greys) = Chart::new(flat, extent);
+        let raw: Vec<f64> = greys.iter().map(|grey| pow(1.0 - grey.clamp(0.0, 255.0) / 255.0, DARKNESS)).collect();
+        let lively = chart.smoothed(&raw, MASK_WIDTH);
+        let around = chart.smoothed(&raw, VEIN_WIDTH);
         let vein = |(lively, around): (&f64, &f64)| ((around - lively) / (0.5 * around + FAINT_VEIN)).clamp(0.0, 1.0);
-        let veins: Vec<f64> = neighbours.smoothed(liveliness.iter().zip(&around).map(vein).collect(), RIB_WIDTH);
-        let beside = across(mesh, &neighbours, &veins, RIB_WIDTH);
-        let across = across(mesh, &neighbours, &liveliness, DIRECTION_WIDTH);
-        let corner_mean = |values: &[f64], t: &[u32; 3]| t.iter().map(|&v| values[v as usize]).sum::<f64>() / 3.0;
-        let rib = |(t, a): (&[u32; 3], &Tensor)| Rib {
-            stiffness: settings.vein_stiffness * corner_mean(&veins, t),
-            along: [1.0 - a[0], -a[1], 1.0 - a[2]],
+        let veins = chart.smoothed(&lively.iter().zip(&around).map(vein).collect::<Vec<f64>>(), RIB_WIDTH);
+        let beside = Directions::new(&chart, &veins, RIB_WIDTH);
+        let across = Directions::new(&chart, &lively, DIRECTION_WIDTH);
+        let has_foot = !mesh.held.is_empty();
+        let parts: Vec<Parts> = mesh.triangles.iter().map(|t| parts(mesh, *t, extent)).collect();
+        let rib = |points: &Parts| {
+            let a = beside.over(points);
+            Rib {
+                stiffness: settings.vein_stiffness * mean(points, |p| chart.at(&veins, p)),
+                along: [1.0 - a[0], -a[1], 1.0 - a[2]],
+                thickening: FOOT_STIFFNESS * mean(points, |p| if has_foot { foot(p) } else { 0.0 }),
+            }
         };
-        let ribs = mesh.triangles.iter().zip(&beside).map(rib).collect();
-        Self { extent, middle: middle / extent, liveliness, depth: depth(mesh), across, ribs }
+        let across: Vec<Tensor> = parts.iter().map(|points| across.over(points)).collect();
+        let ribs: Vec<Rib> = parts.iter().map(rib).collect();
+        let liveliness =
+            parts.iter().map(|points| mean(points, |p| liveliness(&chart, &lively, has_foot, p))).collect();
+        let depth = depth(mesh, &chart, extent);
+        Self { extent, middle: middle / extent, liveliness, depth, across, ribs, lively, has_foot, chart }
+    }
+
+    /// How much a line moves, 0 to 1, on the mean.
+    pub fn liveliness_along(&self, [from, to]: [DVec2; 2]) -> f64 {
+        let at = |i: u32| from + (to - from) * ((f64::from(i) + 0.5) / f64::from(READINGS));
+        (0..READINGS).map(|i| liveliness(&self.chart, &self.lively, self.has_foot, at(i))).sum::<f64>()
+            / f64::from(READINGS)
     }
 }
 
@@ -72,89 +96,74 @@ fn bounds(mesh: &FlatMesh) -> (f64, DVec2) {
     (if side > 0.0 { side } else { 1.0 }, (low + high) * 0.5)
 }
 
-/// The vertices joined to each by an edge.
-struct Neighbours {
-    edges: Vec<[u32; 2]>,
-    extent: f64,
-    /// Mean square of the edges' lengths, squares of the extent.
-    mean_square: f64,
+/// How much a place belongs to the foot: the thick tissue where petiole and main veins meet. It neither curls nor shrinks nor
+/// bends, so that it does not matter which of its vertices the petiole holds.
+fn foot(place: DVec2) -> f64 {
+    1.0 - f64::from(smooth_step(FOOT[0] as f32, FOOT[1] as f32, place.norm() as f32))
 }
 
-impl Neighbours {
-    fn of(mesh: &FlatMesh, extent: f64) -> Self {
-        let edges = mesh.edges();
-        let square = |e: &[u32; 2]| (mesh.positions[e[0] as usize] - mesh.positions[e[1] as usize]).norm_squared();
-        let mean_square = edges.iter().map(square).sum::<f64>() / edges.len().max(1) as f64 / (extent * extent);
-        Self { edges, extent, mean_square }
-    }
-
-    /// Values averaged with their neighbours' until they are blurred by a Gauss bell of this width (extents); the last time
-    /// only as far as is wanting.
-    fn smoothed(&self, mut values: Vec<f64>, width: f64) -> Vec<f64> {
-        let mut wanting = (width * width / (SPREAD * self.mean_square)).min(MOST_PASSES);
-        while wanting > 0.0 {
-            let mut sums = values.clone();
-            let mut counts = vec![1.0; values.len()];
-            for &[a, b] in &self.edges {
-                let (a, b) = (a as usize, b as usize);
-                sums[a] += values[b];
-                sums[b] += values[a];
-                counts[a] += 1.0;
-                counts[b] += 1.0;
-            }
-            let share = wanting.min(1.0);
-            for ((value, sum), count) in values.iter_mut().zip(sums).zip(counts) {
-                *value += share * (sum / count - *value);
-            }
-            wanting -= 1.0;
-        }
-        values
-    }
+fn liveliness(chart: &Chart, lively: &[f64], has_foot: bool, place: DVec2) -> f64 {
+    chart.at(lively, place) * if has_foot { 1.0 - foot(place) } else { 1.0 }
 }
 
-/// Across the veins the mask changes, along them it does not: the smoothed tensor of its slope, with unit trace.
-fn across(mesh: &FlatMesh, neighbours: &Neighbours, values: &[f64], width: f64) -> Vec<Tensor> {
-    let mut tensors = vec![[0.0; 3]; values.len()];
-    let mut counts = vec![0.0; values.len()];
-    for &triangle in &mesh.triangles {
-        let slope = slope(mesh, triangle, values) * neighbours.extent;
-        for v in triangle {
+/// Places that are evenly spread over a triangle.
+type Parts = [DVec2; 16];
+
+/// The middles of the sixteen parts into which its sides' quarters divide a triangle, extents.
+fn parts(mesh: &FlatMesh, triangle: [u32; 3], extent: f64) -> Parts {
+    let corners = triangle.map(|v| mesh.positions[v as usize] / extent);
+    let middle = |[a, b, c]: [DVec2; 3]| (a + b + c) / 3.0;
+    let mut places = [DVec2::zeros(); 16];
+    for (quarter, four) in quarters(corners).into_iter().zip(places.chunks_exact_mut(4)) {
+        four.copy_from_slice(&quarters(quarter).map(middle));
+    }
+    places
+}
+
+/// The four triangles into which its sides' middles divide a triangle.
+fn quarters([a, b, c]: [DVec2; 3]) -> [[DVec2; 3]; 4] {
+    let [x, y, z] = [(b + c) * 0.5, (c + a) * 0.5, (a + b) * 0.5];
+    [[a, z, y], [z, b, x], [y, x, c], [x, y, z]]
+}
+
+fn mean(points: &Parts, of: impl Fn(DVec2) -> f64) -> f64 {
+    points.iter().map(|&p| of(p)).sum::<f64>() / points.len() as f64
+}
+
+/// Across the veins the mask changes, along them it does not: the smoothed tensor of its slope.
+struct Directions<'a> {
+    chart: &'a Chart,
+    tensors: [Vec<f64>; 3],
+    /// Trace below which the direction counts as unknown.
+    floor: f64,
+}
+
+impl<'a> Directions<'a> {
+    fn new(chart: &'a Chart, values: &[f64], width: f64) -> Self {
+        let mut raw = [0, 1, 2].map(|_| vec![0.0; values.len()]);
+        for cell in chart.cells() {
+            let slope = chart.slope(values, cell);
             let product = [slope.x * slope.x, slope.x * slope.y, slope.y * slope.y];
-            tensors[v as usize].iter_mut().zip(product).for_each(|(t, p)| *t += p);
-            counts[v as usize] += 1.0;
+            raw.iter_mut().zip(product).for_each(|(raw, product)| raw[cell] = product);
         }
+        let tensors = raw.map(|raw| chart.smoothed(&raw, width));
+        let floor = FAINT * (chart.mean(&tensors[0]) + chart.mean(&tensors[2]));
+        Self { chart, tensors, floor }
     }
-    let component = |k: usize| {
-        let raw = tensors.iter().zip(&counts).map(|(t, count): (&Tensor, &f64)| t[k] / count.max(1.0)).collect();
-        neighbours.smoothed(raw, width)
-    };
-    let [xx, xy, yy] = [0, 1, 2].map(component);
-    let typical = xx.iter().zip(&yy).map(|(x, y)| x + y).sum::<f64>() / values.len().max(1) as f64;
-    let floor = FAINT * typical;
-    let unit = |triangle: &[u32; 3]| {
-        let mean = |of: &[f64]| triangle.iter().map(|&v| of[v as usize]).sum::<f64>() / 3.0;
-        let (xx, xy, yy) = (mean(&xx), mean(&xy), mean(&yy));
-        let trace = xx + yy + floor;
-        if trace > 0.0 { [(xx + 0.5 * floor) / trace, xy / trace, (yy + 0.5 * floor) / trace] } else { [0.5, 0.0, 0.5] }
-    };
-    mesh.triangles.iter().map(unit).collect()
+
+    /// The tensor with unit trace, mean over some points.
+    fn over(&self, points: &Parts) -> Tensor {
+        let [xx, xy, yy] = [0, 1, 2].map(|k: usize| mean(points, |p| self.chart.at(&self.tensors[k], p)));
+        let trace = xx + yy + self.floor;
+        if trace > 0.0 {
+            return [(xx + 0.5 * self.floor) / trace, xy / trace, (yy + 0.5 * self.floor) / trace];
+        }
+        [0.5, 0.0, 0.5]
+    }
 }
 
-/// The slope over a triangle of values given at its corners; nought for one without area.
-fn slope(mesh: &FlatMesh, triangle: [u32; 3], values: &[f64]) -> DVec2 {
-    let [a, b, c] = triangle.map(|v| mesh.positions[v as usize]);
-    let [x, y, z] = triangle.map(|v| values[v as usize]);
-    let (u, v) = (b - a, c - a);
-    let doubled_area = u.perp(&v);
-    if doubled_area == 0.0 {
-        return DVec2::zeros();
-    }
-    let turned = |w: DVec2| DVec2::new(-w.y, w.x);
-    (turned(u) * (z - x) - turned(v) * (y - x)) / doubled_area
-}
-
-/// Depth of each vertex below the nearest vertex of a margin (of holes too), over the greatest depth.
-fn depth(mesh: &FlatMesh) -> Vec<f64> {
+/// Depth of each vertex below the margin (of holes too), over the greatest depth of the blade.
+fn depth(mesh: &FlatMesh, chart: &Chart, extent: f64) -> Vec<f64> {
     let mut sides: Vec<[u32; 2]> = mesh
         .triangles
         .iter()
@@ -163,16 +172,17 @@ fn depth(mesh: &FlatMesh) -> Vec<f64> {
         .collect();
     sides.sort_unstable();
     let once = sides.chunk_by(|x, y| x == y).filter(|same| same.len() == 1);
-    let mut rim: Vec<u32> = once.flat_map(|same| same[0]).collect();
-    rim.sort_unstable();
-    rim.dedup();
-    let nearest = |p: &DVec2| {
-        let squared = |&v: &u32| (mesh.positions[v as usize] - p).norm_squared();
-        rim.iter().map(squared).fold(f64::INFINITY, f64::min).sqrt()
-    };
-    let depths: Vec<f64> = mesh.positions.iter().map(nearest).collect();
-    let deepest = depths.iter().copied().filter(|depth| depth.is_finite()).fold(0.0, f64::max);
-    depths.iter().map(|depth| if deepest > 0.0 { (depth / deepest).min(1.0) } else { 0.0 }).collect()
+    let rim: Vec<[DVec2; 2]> = once.map(|same| same[0].map(|v| mesh.positions[v as usize] / extent)).collect();
+    let nearest = |p: DVec2| rim.iter().map(|side| squared_distance(p, side)).fold(f64::INFINITY, f64::min).sqrt();
+    let deepest = chart.cells().step_by(STRIDE).map(|cell| nearest(chart.middle(cell))).fold(0.0, f64::max);
+    let share = |p: &DVec2| if deepest > 0.0 { (nearest(p / extent) / deepest).min(1.0) } else { 0.0 };
+    mesh.positions.iter().map(share).collect()
+}
+
+fn squared_distance(p: DVec2, [a, b]: &[DVec2; 2]) -> f64 {
+    let side = b - a;
+    let foot = ((p - a).dot(&side) / side.norm_squared()).clamp(0.0, 1.0);
+    (p - a - side * foot).norm_squared()
 }
 
 #[cfg(test)]
@@ -180,10 +190,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn slopes_of_a_plane_are_exact() {
-        let positions = [(0.2, 0.1), (1.3, 0.0), (0.4, 0.9)].map(|(x, y)| DVec2::new(x, y)).to_vec();
-        let mesh = FlatMesh { positions, ..FlatMesh::default() };
-        let values: Vec<f64> = mesh.positions.iter().map(|p| 3.0 * p.x - 2.0 * p.y + 7.0).collect();
-        assert!((slope(&mesh, [0, 1, 2], &values) - DVec2::new(3.0, -2.0)).norm() < 1e-12);
+    fn the_distance_from_a_side_is_that_from_its_nearest_point() {
+        let side = [DVec2::zeros(), DVec2::new(2.0, 0.0)];
+        let distance = |x: f64, y: f64| squared_distance(DVec2::new(x, y), &side).sqrt();
+        assert!((distance(1.5, 0.5) - 0.5).abs() < 1e-15 && (distance(5.0, 4.0) - 5.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_foot_is_whole_at_the_joint_and_ends() {
+        assert_eq!((foot(DVec2::zeros()), foot(DVec2::new(0.0, FOOT[1]))), (1.0, 0.0));
     }
 }
