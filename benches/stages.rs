@@ -36,6 +36,9 @@ struct Inputs {
     blade: Blade,
     shape_jobs: Vec<deform::Job>,
     texture_jobs: Vec<colour::Job>,
+    /// The species' colours at 1,024 px, and its blade laid out for them.
+    fine: colour::Settings,
+    canvas: colour::Canvas,
     wardrobe: Wardrobe,
     frame: Frame,
     picture: Picture,
@@ -63,13 +66,15 @@ impl Inputs {
         let (blade, _) = leaf::model(&species.leaf, leaf::Pictures::default(), &limits).expect("a blade");
         let shape_jobs = shape_jobs(&scene, &states.names, &worn_garments);
         let texture_jobs = texture_jobs(&scene, &states.names, &worn_garments);
+        let fine = colour::Settings { size: Some(1024), ..species.colour.clone() };
+        let canvas = colour::Canvas::new(&fine, &blade, &colour::Scans::new());
         let worn = garments(&scene, &stand, &states);
         let shapes = bent(&scene, &blade, &shape_jobs);
         let textures = colour::paint(&species.colour, &blade, &texture_jobs, scene.seed).0;
         let wardrobe = wardrobe(&scene, states.names, &worn_garments, &shapes, &textures);
         let frame = Stock::new(&scene, &stand, &wardrobe).frame(&scene, &stand, &worn);
         let picture = raster::draw(&frame).0;
-        Self { scene, species, stand, worn, blade, shape_jobs, texture_jobs, wardrobe, frame, picture }
+        Self { scene, species, stand, worn, blade, shape_jobs, texture_jobs, fine, canvas, wardrobe, frame, picture }
     }
 
     fn cases(&self) -> Vec<Case<'_>> {
@@ -87,6 +92,12 @@ impl Inputs {
             case("leaf", model),
             case("deform", || consume(bent(scene, blade, &self.shape_jobs))),
             case("colour", || consume(colour::paint(&species.colour, blade, &self.texture_jobs, scene.seed))),
+            case("colour, canvas of 1,024 px", || {
+                consume(colour::Canvas::new(&self.fine, blade, &colour::Scans::new()));
+            }),
+            case("colour, one texture of 1,024 px", || {
+                consume(colour::paint_on(&self.canvas, &self.fine, &self.texture_jobs[..1], scene.seed));
+            }),
             case("compose", || consume(Stock::new(scene, stand, &self.wardrobe).frame(scene, stand, &self.worn))),
             case(UNIT, || consume(raster::draw(frame))),
             Case { threads: 2, ..case("raster", || consume(raster::draw(frame))) },

@@ -38,6 +38,8 @@ fn material(name: &str, reflected: u32, transmitted: Option<u32>, transmission: 
         transmission,
         transmitted,
         back_gain: 1.0,
+        behind: None,
+        relief: None,
         gloss: 0.04,
         roughness: 0.6,
         two_sided: transmitted.is_some(),
@@ -219,6 +221,23 @@ fn materials_and_textures_come_back() {
     let texture = surface.base_color_texture().unwrap().texture();
     assert_eq!(images[texture.source().index()].pixels, frame.textures[1].pixels.as_flattened());
     assert_eq!(texture.sampler().wrap_s(), gltf::texture::WrappingMode::ClampToEdge);
+}
+
+#[test]
+fn relief_is_the_normal_texture_and_is_written_as_it_is() {
+    let mut frame = frame();
+    for material in &mut frame.materials {
+        material.relief = Some(3);
+    }
+    let (file, _) = glb(&frame, Layout::Instanced).unwrap();
+    let (document, _, images) = gltf::import_slice(&file).unwrap();
+    let normals: Vec<_> = document.materials().map(|material| material.normal_texture().expect("normals")).collect();
+    assert!(normals.len() > 1 && normals.iter().all(|normal| normal.scale() == 1.0 && normal.tex_coord() == 0));
+    let sources: Vec<usize> = normals.iter().map(|normal| normal.texture().source().index()).collect();
+    assert!(sources.iter().all(|&source| source == sources[0]), "one picture for all: {sources:?}");
+    assert_eq!(images[sources[0]].pixels, frame.textures[3].pixels.as_flattened());
+    frame.materials[0].relief = Some(99);
+    assert!(glb(&frame, Layout::Merged).is_err());
 }
 
 #[test]

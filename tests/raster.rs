@@ -2,7 +2,7 @@
 
 use leafseason::base::mesh::Mesh;
 use leafseason::base::vector::{Affine, Vec2, Vec3};
-use leafseason::frame::{Camera, Frame, Instance, Material, Model, Part, Sky, Sun, ToneMap, View, Wireframe};
+use leafseason::frame::{Camera, Frame, Instance, Material, Model, Part, Sky, Sun, Texture, ToneMap, View, Wireframe};
 use leafseason::raster;
 use std::f32::consts::PI;
 
@@ -33,6 +33,8 @@ fn leaf() -> Material {
         transmission: [0.1, 0.3, 0.05],
         transmitted: None,
         back_gain: 1.0,
+        behind: None,
+        relief: None,
         gloss: 0.0,
         roughness: 0.5,
         two_sided: true,
@@ -112,6 +114,47 @@ fn the_lower_side_reflects_by_its_own_measure() {
     frame.camera.position = Vec3::new(0.0, 0.0, -4.0);
     frame.view.shadow_size = 0;
     assert_near(middle(&frame), codes([0.3, 0.6, 0.15]));
+}
+
+/// A texture of one colour.
+fn plain(name: &str, pixel: [u8; 3]) -> std::sync::Arc<Texture> {
+    Texture { name: name.into(), width: 1, height: 1, pixels: vec![pixel], repeat: false }.into()
+}
+
+#[test]
+fn the_lower_side_wears_a_texture_of_its_own() {
+    let mut frame = frame();
+    frame.textures.push(plain("below", [188, 188, 188]));
+    frame.materials[0].behind = Some(0);
+    frame.sun.irradiance = [PI; 3];
+    assert_near(middle(&frame), codes([0.2, 0.4, 0.1]));
+    frame.sun.direction = above(-Vec3::z());
+    frame.camera.position = Vec3::new(0.0, 0.0, -4.0);
+    frame.view.shadow_size = 0;
+    assert_near(middle(&frame), codes([0.2, 0.4, 0.1].map(|c| c * 0.5029)));
+}
+
+#[test]
+fn relief_turns_the_surface_along_its_texture_on_both_sides() {
+    let mut frame = frame();
+    frame.view.shadow_size = 0;
+    // Normals that lean by atan(4/3) to the right, which is +x here, or up.
+    frame.textures.push(plain("right", [128 + 102, 128, 128 + 76]));
+    frame.textures.push(plain("up", [128, 128 + 102, 128 + 76]));
+    frame.sun.irradiance = [PI; 3];
+    let mut seen = |relief: u32, sun: Vec3, eye: f32| {
+        frame.materials[0].relief = Some(relief);
+        frame.sun.direction = sun.normalize();
+        frame.camera.position.z = eye;
+        middle(&frame)
+    };
+    let lit = |share: f32| codes([0.2, 0.4, 0.1].map(|c| c * share));
+    let across = Vec3::new(0.8, 0.006, 0.6);
+    assert_near(seen(0, across, 4.0), lit(1.0));
+    assert_near(seen(0, above(Vec3::z()), 4.0), lit(0.6));
+    assert_near(seen(1, Vec3::new(0.0, 0.8, 0.6), 4.0), lit(1.0));
+    // A slope that faces right above faces left below.
+    assert_near(seen(0, -across + Vec3::y() * 0.012, -4.0), lit(1.0));
 }
 
 #[test]

@@ -132,7 +132,7 @@ const KNOWN_BY: [(&str, &str); 11] = [
 
 #[test]
 fn species_are_told_apart_by_their_colours_and_the_ginkgo_is_the_lemon_among_them() {
-    let colour = |(name, state): (&str, &str)| appearance(&tables(name).colour.pigments[state], Table::Fine).reflected;
+    let colour = |(name, state): (&str, &str)| appearance(&tables(name).colour.contents(state), Table::Fine).reflected;
     let colours = KNOWN_BY.map(colour);
     for (i, &one) in colours.iter().enumerate() {
         for (j, &other) in colours.iter().enumerate().take(i) {

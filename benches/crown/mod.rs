@@ -123,6 +123,8 @@ fn material(name: &str, texture: u32, transmission: f32) -> Material {
         transmission: [transmission; 3],
         transmitted: is_leaf.then_some(texture),
         back_gain: 1.0,
+        behind: None,
+        relief: None,
         gloss: 0.04,
         roughness: 0.5,
         two_sided: is_leaf,

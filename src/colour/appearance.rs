@@ -33,10 +33,19 @@ pub struct Appearance {
     pub transmitted: Colour,
 }
 
+/// One wavelength of a table.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sample {
+    pub wavelength: &'static Wavelength,
+    pub faces: Faces,
+    /// What a share of 1 at this wavelength adds to each channel.
+    pub weights: Colour,
+}
+
 /// A spectral table made ready: its wavelengths, their faces, and the weights that turn spectra into colours.
 #[derive(Clone, Debug)]
 pub(super) struct Optics {
-    samples: Vec<(&'static Wavelength, Faces, Colour)>,
+    samples: Vec<Sample>,
 }
 
 impl Optics {
@@ -48,11 +57,17 @@ impl Optics {
         let wavelengths: Vec<&'static Wavelength> = WAVELENGTHS.iter().step_by(every).collect();
         let power: f64 = wavelengths.iter().map(|w| w.light * w.matching[1]).sum();
         let weights = |w: &Wavelength| transformed(&TO_SRGB, w.matching.map(|m| m * w.light / power));
-        Self { samples: wavelengths.into_iter().map(|w| (w, Faces::new(w.index), weights(w))).collect() }
+        let sample = |w| Sample { wavelength: w, faces: Faces::new(w.index), weights: weights(w) };
+        Self { samples: wavelengths.into_iter().map(sample).collect() }
+    }
+
+    pub(super) fn samples(&self) -> impl Iterator<Item = &Sample> {
+        self.samples.iter()
     }
 
     pub(super) fn appearance(&self, pigments: &Pigments) -> Appearance {
-        self.samples.iter().fold(Appearance::default(), |sum, (wavelength, faces, weights)| {
+        self.samples.iter().fold(Appearance::default(), |sum, sample| {
+            let Sample { wavelength, faces, weights } = sample;
             let Shares { reflected, transmitted } = plate::leaf(wavelength, faces, pigments);
             let add = |colour: Colour, share: f64| std::array::from_fn(|c| colour[c] + weights[c] * share);
             Appearance { reflected: add(sum.reflected, reflected), transmitted: add(sum.transmitted, transmitted) }
@@ -62,8 +77,8 @@ impl Optics {
     /// The part of any leaf's reflected colour that its surface sends back, about 0.034 to 0.041: the gloss lobe of a
     /// renderer stands for it.
     pub(super) fn gloss(&self) -> Colour {
-        self.samples.iter().fold([0.0; 3], |sum, (_, faces, weights)| {
-            std::array::from_fn(|c| sum[c] + weights[c] * (1.0 - faces.entry))
+        self.samples.iter().fold([0.0; 3], |sum, sample| {
+            std::array::from_fn(|c| sum[c] + sample.weights[c] * (1.0 - sample.faces.entry))
         })
     }
 }
@@ -155,7 +170,7 @@ mod tests {
         for table in [Table::Coarse, Table::Fine] {
             let optics = Optics::new(table);
             for channel in 0..3 {
-                let white: f64 = optics.samples.iter().map(|(_, _, weights)| weights[channel]).sum();
+                let white: f64 = optics.samples.iter().map(|sample| sample.weights[channel]).sum();
                 assert!((white - 1.0).abs() < 3e-3, "{white}");
             }
         }

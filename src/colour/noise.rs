@@ -1,6 +1,6 @@
-//! Irregularity in the plane that does not repeat: smooth noise in octaves, and cells.
+//! Irregularity in the plane that does not repeat: smooth noise in octaves.
 
-use crate::base::noise::{Cell, Lattice};
+use crate::base::noise::Lattice;
 
 /// Lattice noise of one salt. Values are functions of place and salt alone.
 #[derive(Clone, Copy, Debug)]
@@ -18,11 +18,6 @@ impl Noise {
             f *= 2.13;
         }
         sum * 2.0
-    }
-
-    /// The cell of a point; cells are 1 / `frequency` across.
-    pub(super) fn cell(self, x: f32, y: f32, frequency: f32) -> Cell {
-        Lattice::new(self.0).cell(x * frequency, y * frequency)
     }
 }
 
@@ -59,17 +54,6 @@ mod tests {
         for i in 0..200 {
             let x = i as f32 * 0.173;
             assert!((noise.octaves(x, 1.0, 1.0) - noise.octaves(x + 1e-3, 1.0, 1.0)).abs() < 0.03);
-        }
-    }
-
-    #[test]
-    fn a_cell_has_one_value_up_to_its_border() {
-        let noise = Noise(9);
-        let mut last = noise.cell(0.0, 0.4, 4.0);
-        for i in 1..4000 {
-            let here = noise.cell(i as f32 * 1e-3, 0.4, 4.0);
-            assert!(here.value == last.value || here.clearance < 0.02);
-            last = here;
         }
     }
 }

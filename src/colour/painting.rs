@@ -1,24 +1,31 @@
 //! Textures of a leaf in each state: pigment fields turned into reflected and transmitted colour.
 
 use super::appearance::{Appearance, Colour, Optics, colour_difference};
-use super::palette::{Pair, Palette, pair};
-use super::pigment_field::pigment_field;
+use super::contents::{Contents, contents};
+use super::matching::{matched, seen};
+use super::palette::{Finish, Look, Palette, look};
+use super::pigment_field::Fields;
+use super::relief;
 use super::scan::Scan;
-use super::surface::Surface;
-use super::{Pigments, Settings, Table};
+use super::surface::{Surface, Tissue};
+use super::{Detail, Pigments, Settings, Table};
 use crate::base::blade::Blade;
 use crate::base::encoding::SrgbEncoder;
 use crate::base::figures::{ErrorFigure, Figures};
-use crate::base::maths::{mix, smooth_step};
+use crate::base::maths::smooth_step;
+use crate::base::picture::Picture;
 use crate::base::random::{Purpose, Stream, hash};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
-/// Rounds of matching a texture's mean to its state's colour; each undoes what clipping took in the one before.
-const MATCHING_ROUNDS: usize = 4;
 /// Pixels from the blade at which the background begins to fade to the mean colour, and at which it has.
 const FADE: (f32, f32) = (2.0, 14.0);
+/// Contents among which those of a scan are sought: chlorophyll, anthocyanins, brown.
+const EVERY: [f32; 3] = [80.0, 40.0, 4.0];
+/// About as many places are looked at to match a texture's mean.
+const MATCHED: usize = 1200;
 
 /// One texture to paint.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -30,138 +37,189 @@ pub struct Job {
 }
 
 /// A painted texture: 8-bit sRGB, laid out by the mesh's texture coordinates, filled with leaf colour beyond the blade.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Painted {
     /// Diffuse reflectance of the upper side, without surface gloss; rows from the top.
     pub reflected: Vec<[u8; 3]>,
     /// Diffuse transmittance.
     pub transmitted: Vec<[u8; 3]>,
+    /// Diffuse reflectance of the lower side, without surface gloss; empty for one that looks as the upper does.
+    pub below: Vec<[u8; 3]>,
+    /// Normals of the upper side, x to the right, y up, z out of the leaf, -1..1 in 0..255; shared by all textures of a
+    /// blade. Empty for a smooth one.
+    pub relief: Arc<Vec<[u8; 3]>>,
     /// Pixels along each side.
     pub size: u32,
 }
 
-/// What the textures of one state share.
-struct Ink {
-    pigments: Pigments,
-    palette: Palette,
-    /// The mean that its textures are matched to.
-    mean: Pair,
-    /// Whether the scan itself is worn: its own colours are nearest to this state's.
-    wears_scan: bool,
+/// Scans that states wear, by state: laid out by the mesh's texture coordinates, clear where no leaf is.
+pub type Scans = BTreeMap<String, Picture>;
+
+/// What all textures of a blade share: where its margin, veins and areoles are, and its scans.
+pub struct Canvas {
+    surface: Surface,
+    relief: Arc<Vec<[u8; 3]>>,
+    /// The tissue that means are matched on.
+    matched: Vec<Tissue>,
+    encoder: SrgbEncoder,
+    /// The scans of states; among them the blade's own one, worn by the state whose colour is nearest.
+    scans: BTreeMap<String, Scan>,
 }
 
-/// Paints the textures of the jobs, in their order. The settings have passed [`check`](super::check); a job takes
-/// about 100 bytes x size^2 while it is painted and 6 bytes x size^2 for its result, to be allowed by the
-/// caller. A texture depends on its job, settings, blade and seed only.
-///
-/// The mean over the blade is the state's colour without gloss. With a scan, the scan's detail is worn in the
-/// state's colour; the state whose colour is nearest to the scan's mean wears the scan as it is.
-#[must_use]
-pub fn paint(settings: &Settings, blade: &Blade, jobs: &[Job], seed: u64) -> (Vec<Painted>, Figures) {
-    let optics = Optics::new(settings.table);
-    let surface = Surface::new(blade, settings.size);
-    let scan = blade.scan.as_ref().and_then(|picture| Scan::new(picture, &surface));
-    let inks = inks(settings, &optics, jobs, scan.as_ref());
-    let painted = |job: &Job| {
-        let ink = &inks[&job.state];
-        let colours = match &scan {
-            Some(scan) => scanned(scan, ink),
-            None => pigmented(&surface, ink, job, seed),
-        };
-        finished(&surface, &colours)
-    };
-    (jobs.par_iter().map(painted).collect(), figures(settings, &optics, &inks, jobs.len()))
-}
-
-fn inks(settings: &Settings, optics: &Optics, jobs: &[Job], scan: Option<&Scan>) -> BTreeMap<String, Ink> {
-    let mut states: Vec<&String> = jobs.iter().map(|job| &job.state).collect();
-    states.sort_unstable();
-    states.dedup();
-    let ink = |state: &&String| {
-        let pigments = settings.pigments.get(*state).cloned().unwrap_or_default();
-        let palette = Palette::new(optics, &pigments);
-        ((*state).clone(), Ink { mean: pair(optics, &pigments), palette, pigments, wears_scan: false })
-    };
-    let mut inks: BTreeMap<String, Ink> = states.par_iter().map(ink).collect::<Vec<_>>().into_iter().collect();
-    if let Some(scan) = scan {
-        wear_scan(settings, optics, scan, &mut inks);
-    }
-    inks
-}
-
-/// Marks the state nearest in colour to the scan, among all that the settings know and not only those painted now: a
-/// texture must not depend on which others are asked for.
-fn wear_scan(settings: &Settings, optics: &Optics, scan: &Scan, inks: &mut BTreeMap<String, Ink>) {
-    let difference = |pigments: &Pigments| colour_difference(scan.mean, optics.appearance(pigments).reflected);
-    let nearest = settings.pigments.iter().map(|(state, pigments)| (difference(pigments), state));
-    let nearest = nearest.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, state)| state);
-    if let Some(ink) = nearest.and_then(|state| inks.get_mut(state)) {
-        ink.wears_scan = true;
-        ink.mean[..3].copy_from_slice(&scan.mean.map(|channel| channel as f32));
-    }
-}
-
-/// Colours from pigments, of the pixels inside.
-fn pigmented(surface: &Surface, ink: &Ink, job: &Job, seed: u64) -> Vec<Pair> {
-    let state = job.state.bytes().fold(job.state.len() as u64, |sum, byte| hash(sum, u64::from(byte)));
-    let mut stream = Stream::new(seed, Purpose::Texture, state, u64::from(job.variant));
-    let samples = pigment_field(surface, &ink.pigments, &mut stream);
-    let colour = |sample: &super::pigment_field::Sample| {
-        let pair = ink.palette.at(sample.contents);
-        std::array::from_fn(|c| pair[c] * if c < 3 { sample.reflected } else { sample.transmitted })
-    };
-    let mut colours: Vec<Pair> = samples.iter().map(colour).collect();
-    match_mean(&mut colours, &ink.mean);
-    colours
-}
-
-/// Colours from a scan, of the pixels inside.
-fn scanned(scan: &Scan, ink: &Ink) -> Vec<Pair> {
-    let colour = |pixel: usize| -> Pair {
-        let detail = scan.detail(pixel);
-        let worn = scan.colours[pixel];
-        std::array::from_fn(|c| if c < 3 && ink.wears_scan { worn[c] } else { ink.mean[c] * detail[c % 3] })
-    };
-    let mut colours: Vec<Pair> = (0..scan.colours.len()).map(colour).collect();
-    match_mean(&mut colours, &ink.mean);
-    colours
-}
-
-/// Scales each channel until its mean, clipped to 0..1, is that wanted.
-fn match_mean(colours: &mut [Pair], wanted: &Pair) {
-    for _ in 0..MATCHING_ROUNDS {
-        let found = mean(colours);
-        let gains: Pair = std::array::from_fn(|c| wanted[c] / found[c].max(1e-9));
-        for colour in colours.iter_mut() {
-            *colour = std::array::from_fn(|c| (colour[c] * gains[c]).min(1.0));
+impl Canvas {
+    /// Lays a blade out for painting, at 140 bytes a pixel. A scan of the blade is worn by the state whose colour is nearest to
+    /// it, unless that state has a scan of its own in `scans`, and gives its detail to all states without one.
+    #[must_use]
+    pub fn new(settings: &Settings, blade: &Blade, scans: &Scans) -> Self {
+        let mut surface = Surface::new(blade, settings.side());
+        let of_state = |(state, picture): (&String, &Picture)| Some((state.clone(), Scan::new(picture, &surface)?));
+        let mut scans: BTreeMap<String, Scan> = scans.iter().filter_map(of_state).collect();
+        if let Some(scan) = blade.scan.as_ref().and_then(|picture| Scan::new(picture, &surface)) {
+            let optics = Optics::new(settings.table);
+            let (state, pigments) = nearest(settings, &optics, &scan);
+            let palette = Palette::new(&optics, &pigments, EVERY, Finish { glossy: false, ..Finish::of(settings) });
+            scan.age(&palette, &mut surface.tissue);
+            scans.entry(state).or_insert(scan);
+        }
+        let every = (surface.tissue.len() / MATCHED).max(1);
+        Self {
+            relief: Arc::new(relief::normals(&surface, settings.painting.relief as f32)),
+            matched: surface.tissue.iter().step_by(every).copied().collect(),
+            encoder: SrgbEncoder::default(),
+            surface,
+            scans,
         }
     }
 }
 
-fn mean(colours: &[Pair]) -> Pair {
-    let count = colours.len().max(1) as f64;
-    std::array::from_fn(|c| (colours.iter().map(|colour| f64::from(colour[c])).sum::<f64>() / count) as f32)
+/// The state nearest in colour to a scan, among all that the settings know and not only those painted now: a texture must
+/// not depend on which others are asked for.
+fn nearest(settings: &Settings, optics: &Optics, scan: &Scan) -> (String, Pigments) {
+    let of_state = |state: &String| {
+        let pigments = contents(settings, optics, state).pigments;
+        let far = colour_difference(scan.mean, optics.appearance(&pigments).reflected);
+        (far, state.clone(), pigments)
+    };
+    let nearest = settings.pigments.keys().map(of_state).min_by(|a, b| a.0.total_cmp(&b.0));
+    nearest.map_or_else(Default::default, |(_, state, pigments)| (state, pigments))
 }
 
-/// Lays the blade's colours out over the whole texture: each pixel beyond takes the nearest one of the blade, fading
-/// with the distance to the mean, so that no mip level holds anything but leaf.
-fn finished(surface: &Surface, colours: &[Pair]) -> Painted {
-    let mean = mean(colours);
-    let mut number = vec![0usize; surface.inside.len()];
-    let inside = (0..surface.inside.len()).filter(|&pixel| surface.inside[pixel]);
-    inside.enumerate().for_each(|(index, pixel)| number[pixel] = index);
-    let encoder = SrgbEncoder::default();
-    let code = |&(source, gap): &(u32, f32)| {
-        let near = &colours[number[source as usize]];
-        let faded = smooth_step(FADE.0, FADE.1, gap);
-        let codes: [u8; 6] = std::array::from_fn(|c| encoder.code(mix(near[c], mean[c], faded)));
-        codes
+/// What the textures of one state share.
+struct Ink {
+    contents: Contents,
+    /// The mean that its textures are matched to.
+    mean: Look,
+}
+
+/// Paints the textures of the jobs, in their order, on a canvas of their own. The settings have passed
+/// [`check`](super::check); a texture takes 9 bytes x size^2, to be allowed by the caller with the canvas. It depends
+/// on its job, settings, blade and seed only.
+///
+/// The mean over the blade is the state's colour, without gloss where the leaf is glossy. A state with a scan wears it as it
+/// is.
+#[must_use]
+pub fn paint(settings: &Settings, blade: &Blade, jobs: &[Job], seed: u64) -> (Vec<Painted>, Figures) {
+    paint_on(&Canvas::new(settings, blade, &Scans::new()), settings, jobs, seed)
+}
+
+/// Paints on a canvas that was made before with the same settings.
+#[must_use]
+pub fn paint_on(canvas: &Canvas, settings: &Settings, jobs: &[Job], seed: u64) -> (Vec<Painted>, Figures) {
+    let optics = Optics::new(settings.table);
+    let inks = inks(settings, &optics, jobs);
+    let painter = Painter { canvas, settings, optics: &optics, seed };
+    let painted = |job: &Job| painter.painted(&inks[&job.state], job);
+    (jobs.par_iter().map(painted).collect(), figures(settings, &optics, &inks, jobs.len()))
+}
+
+fn inks(settings: &Settings, optics: &Optics, jobs: &[Job]) -> BTreeMap<String, Ink> {
+    let mut states: Vec<&String> = jobs.iter().map(|job| &job.state).collect();
+    states.sort_unstable();
+    states.dedup();
+    let ink = |state: &&String| {
+        let contents = contents(settings, optics, state);
+        ((*state).clone(), Ink { mean: look(optics, &contents.pigments, Finish::of(settings)), contents })
     };
-    let codes: Vec<[u8; 6]> = surface.filler.iter().map(code).collect();
-    Painted {
-        reflected: codes.iter().map(|c| [c[0], c[1], c[2]]).collect(),
-        transmitted: codes.iter().map(|c| [c[3], c[4], c[5]]).collect(),
-        size: surface.size as u32,
+    states.par_iter().map(ink).collect::<Vec<_>>().into_iter().collect()
+}
+
+/// Paints textures on one canvas.
+struct Painter<'a> {
+    canvas: &'a Canvas,
+    settings: &'a Settings,
+    optics: &'a Optics,
+    seed: u64,
+}
+
+impl Painter<'_> {
+    fn painted(&self, ink: &Ink, job: &Job) -> Painted {
+        if self.settings.detail == Detail::Plain {
+            return self.finished(&ink.mean, |_| ink.mean);
+        }
+        let state = job.state.bytes().fold(job.state.len() as u64, |sum, byte| hash(sum, u64::from(byte)));
+        // Blades of different lengths are different leaves, whatever their species is called.
+        let leaf = hash(state, u64::from(self.canvas.surface.millimetre.to_bits()));
+        let mut stream = Stream::new(self.seed, Purpose::Texture, leaf, u64::from(job.variant));
+        let Contents { pigments, reference, .. } = &ink.contents;
+        let Canvas { surface, matched: tissue, scans, .. } = self.canvas;
+        let fields = Fields::new(surface, &self.settings.painting, pigments, *reference, &mut stream);
+        let start = fields.amounts(pigments, *reference, tissue);
+        let palette = Palette::new(self.optics, pigments, fields.most(&start, pigments), Finish::of(self.settings));
+        let found = matched(&fields, &palette, tissue, start, &ink.mean);
+        let scan = scans.get(&job.state);
+        let mut mean = ink.mean;
+        if let Some(scan) = scan {
+            mean[..3].copy_from_slice(&scan.mean.map(|channel| channel as f32));
+        }
+        self.finished(&mean, |number| {
+            let mut look = seen(&palette, &fields.at(&surface.tissue[number], &found.amounts));
+            for c in 0..9 {
+                look[c] *= found.gains[c];
+            }
+            if let Some(scan) = scan {
+                look[..3].copy_from_slice(&scan.colours[number]);
+            }
+            look
+        })
+    }
+
+    /// Lays the blade's looks, by the number of the pixel inside, out over the whole texture: each pixel beyond takes the
+    /// nearest one of the blade, fading with the distance to the mean, so that no mip level holds anything but leaf.
+    fn finished(&self, mean: &Look, look: impl Fn(usize) -> Look) -> Painted {
+        let Canvas { surface, relief, encoder, .. } = self.canvas;
+        let mean = mean.map(|channel| encoder.code(channel));
+        let count = surface.inside.len();
+        let mut sides = [(); 3].map(|()| vec![[0u8; 3]; count]);
+        for (number, pixel) in surface.pixels().enumerate() {
+            let look = look(number);
+            for side in 0..3 {
+                let texel = &mut sides[side][pixel];
+                for c in 0..3 {
+                    texel[c] = encoder.code(look[3 * side + c]);
+                }
+            }
+        }
+        for (pixel, &(source, gap)) in surface.filler.iter().enumerate() {
+            if gap == 0.0 {
+                continue;
+            }
+            if gap >= FADE.1 {
+                for side in 0..3 {
+                    sides[side][pixel] = [mean[3 * side], mean[3 * side + 1], mean[3 * side + 2]];
+                }
+                continue;
+            }
+            let near = 1.0 - smooth_step(FADE.0, FADE.1, gap);
+            for (side, pixels) in sides.iter_mut().enumerate() {
+                let from = pixels[source as usize];
+                pixels[pixel] = std::array::from_fn(|c| {
+                    let far = f32::from(mean[3 * side + c]);
+                    (far + (f32::from(from[c]) - far) * near + 0.5) as u8
+                });
+            }
+        }
+        let [reflected, transmitted, below] = sides;
+        Painted { reflected, transmitted, below, relief: relief.clone(), size: surface.size as u32 }
     }
 }
 
@@ -169,15 +227,19 @@ fn figures(settings: &Settings, optics: &Optics, inks: &BTreeMap<String, Ink>, j
     let reference = Optics::new(Table::Fine);
     let (mut states, mut worst) = (Map::new(), 0.0f64);
     for (state, ink) in inks {
-        let Appearance { reflected, transmitted } = optics.appearance(&ink.pigments);
-        let exact = reference.appearance(&ink.pigments);
+        let Appearance { reflected, transmitted } = optics.appearance(&ink.contents.pigments);
+        let exact = reference.appearance(&ink.contents.pigments);
         let differ = |a: Colour, b: Colour| colour_difference(a, b);
         worst = worst.max(differ(reflected, exact.reflected)).max(differ(transmitted, exact.transmitted));
-        states.insert(state.clone(), json!({ "reflected": reflected, "transmitted": transmitted }));
+        let mut figure = json!({ "reflected": reflected, "transmitted": transmitted });
+        if let Some(miss) = ink.contents.miss {
+            figure["fitted"] = json!({ "pigments": ink.contents.pigments, "dE76": miss });
+        }
+        states.insert(state.clone(), figure);
     }
     let mut figures = Figures::of(jobs as u64)
         .with("states", Value::Object(states))
-        .with("size", settings.size)
+        .with("size", settings.side())
         .with("gloss", optics.gloss().to_vec());
     figures.error = Some(ErrorFigure {
         metric: "dE76".to_owned(),
@@ -194,7 +256,6 @@ mod tests {
     use super::super::surface::tests::blade;
     use super::*;
     use crate::base::maths::{linear_to_srgb8, srgb_to_linear};
-    use crate::base::picture::Picture;
 
     fn settings() -> Settings {
         #[derive(serde::Deserialize)]
@@ -202,7 +263,7 @@ mod tests {
             colour: Settings,
         }
         let species: Species = toml::from_str(include_str!("../species/red-maple.colour.toml")).unwrap();
-        Settings { size: 128, ..species.colour }
+        Settings { size: Some(128), ..species.colour }
     }
 
     fn jobs(settings: &Settings, variants: u32) -> Vec<Job> {
@@ -216,29 +277,31 @@ mod tests {
         std::array::from_fn(|c| picked.iter().map(|p| linear(p[c])).sum::<f64>() / picked.len() as f64)
     }
 
-    fn colour(pair: &Pair, first: usize) -> Colour {
+    fn colour(pair: &Look, first: usize) -> Colour {
         std::array::from_fn(|c| f64::from(pair[first + c]))
     }
 
     #[test]
     fn a_textures_mean_is_its_states_colour() {
         let (settings, blade) = (settings(), blade());
-        let inside = Surface::new(&blade, settings.size).inside;
+        let inside = Surface::new(&blade, settings.side()).inside;
         let optics = Optics::new(settings.table);
         let jobs = jobs(&settings, 2);
         let (painted, figures) = paint(&settings, &blade, &jobs, 1);
         assert_eq!((painted.len(), figures.items), (14, 14));
         for (job, texture) in jobs.iter().zip(&painted) {
-            let wanted = pair(&optics, &settings.pigments[&job.state]);
-            let reflected = colour_difference(mean_colour(&texture.reflected, &inside), colour(&wanted, 0));
-            let transmitted = colour_difference(mean_colour(&texture.transmitted, &inside), colour(&wanted, 3));
-            assert!(reflected < 2.0 && transmitted < 2.0, "{job:?}: dE {reflected} and {transmitted}");
+            let wanted = look(&optics, &contents(&settings, &optics, &job.state).pigments, Finish::of(&settings));
+            let sides = [&texture.reflected, &texture.transmitted, &texture.below];
+            for (number, side) in sides.into_iter().enumerate() {
+                let missed = colour_difference(mean_colour(side, &inside), colour(&wanted, 3 * number));
+                assert!(missed < 2.0, "{job:?}, side {number}: dE {missed}");
+            }
         }
     }
 
     #[test]
     fn the_error_of_the_coarse_table_is_small_and_that_of_the_fine_one_none() {
-        let coarse = Settings { size: 16, ..settings() };
+        let coarse = Settings { size: Some(16), ..settings() };
         let fine = Settings { table: Table::Fine, ..coarse.clone() };
         let error = |settings: &Settings| paint(settings, &blade(), &jobs(settings, 1), 1).1.error.unwrap().value;
         assert!((1e-4..0.5).contains(&error(&coarse)), "{}", error(&coarse));
@@ -271,38 +334,69 @@ mod tests {
     fn the_background_is_leaf() {
         let (settings, blade) = (settings(), blade());
         let texture = &paint(&settings, &blade, &[Job { state: "red".to_owned(), variant: 0 }], 1).0[0];
-        let surface = Surface::new(&blade, settings.size);
+        let surface = Surface::new(&blade, settings.side());
         let outside: Vec<bool> = surface.inside.iter().map(|leaf| !leaf).collect();
         let (leaf, beyond) =
             (mean_colour(&texture.reflected, &surface.inside), mean_colour(&texture.reflected, &outside));
         assert!(colour_difference(leaf, beyond) < 12.0);
     }
 
-    /// A scan of one colour whose left half is 1.5 times as light as its right one.
-    fn scan(colour: [f32; 3]) -> Picture {
+    /// A scan whose halves have these colours, with a dead spot in the middle.
+    fn scan(halves: [Colour; 2]) -> Picture {
         let mut picture = Picture::filled(64, 64, [0, 0, 0, 255]);
         for (index, pixel) in picture.pixels.iter_mut().enumerate() {
-            let light = if index % 64 < 32 { 1.2 } else { 0.8 };
-            *pixel = [0, 1, 2, 3].map(|c| if c < 3 { linear_to_srgb8(colour[c] * light) } else { 255 });
+            let half = halves[usize::from(index % 64 >= 32)].map(|c| c as f32);
+            let colour = if is_spot(index, 64) { [0.06, 0.035, 0.025] } else { half };
+            *pixel = [0, 1, 2, 3].map(|c| if c < 3 { linear_to_srgb8(colour[c]) } else { 255 });
         }
         picture
     }
 
+    fn is_spot(pixel: usize, size: usize) -> bool {
+        let near = |place: usize| place.abs_diff(size / 2) < size / 10;
+        near(pixel % size) && near(pixel / size)
+    }
+
     #[test]
-    fn a_scan_gives_detail_in_the_states_colour_and_is_worn_by_the_nearest_state() {
+    fn a_scan_is_worn_by_the_nearest_state_and_ages_into_the_others() {
         let settings = settings();
-        let green = Optics::new(settings.table).appearance(&settings.pigments["green"]).reflected;
-        let blade = Blade { scan: Some(scan(green.map(|c| c as f32))), ..blade() };
-        let jobs = ["green", "red"].map(|state| Job { state: state.to_owned(), variant: 0 });
+        let optics = Optics::new(settings.table);
+        let green = contents(&settings, &optics, "green").pigments;
+        let halves = [0.5, 1.6].map(|share| {
+            optics.appearance(&Pigments { chlorophyll: share * green.chlorophyll, ..green.clone() }).reflected
+        });
+        let blade = Blade { scan: Some(scan(halves)), ..blade() };
+        let jobs = ["green", "yellow"].map(|state| Job { state: state.to_owned(), variant: 0 });
         let painted = paint(&settings, &blade, &jobs, 1).0;
-        let half = |first: usize| -> Vec<bool> {
-            let inside = Surface::new(&blade, 128).inside;
-            inside.iter().enumerate().map(|(i, leaf)| *leaf && (i % 128) / 64 == first).collect()
+        let inside = Surface::new(&blade, 128).inside;
+        let part = |texture: &Painted, picks: &dyn Fn(usize) -> bool| {
+            let picked: Vec<bool> = inside.iter().enumerate().map(|(i, leaf)| *leaf && picks(i)).collect();
+            mean_colour(&texture.reflected, &picked)
         };
-        let worn = mean_colour(&painted[0].reflected, &half(0));
-        let other = [mean_colour(&painted[1].reflected, &half(0)), mean_colour(&painted[1].reflected, &half(1))];
-        assert!(colour_difference(worn, green.map(|c| c * 1.2)) < 3.0, "{worn:?} {green:?}");
-        assert!((other[0][0] / other[1][0] - 1.5).abs() < 0.06);
-        assert!(other[0][0] > 2.0 * other[0][1]);
+        let left = |pixel: usize| pixel % 128 < 64 && !is_spot(pixel, 128);
+        let worn = part(&painted[0], &left);
+        assert!(colour_difference(worn, halves[0]) < 1.0, "{worn:?} {halves:?}");
+        let yellow = look(&optics, &contents(&settings, &optics, "yellow").pigments, Finish::of(&settings));
+        let whole = part(&painted[1], &|_| true);
+        assert!(colour_difference(whole, colour(&yellow, 0)) < 2.0);
+        // What held less chlorophyll is ahead; what was dead has stayed so.
+        let right = |pixel: usize| pixel % 128 >= 64 && !is_spot(pixel, 128);
+        let [ahead, behind] = [part(&painted[1], &left), part(&painted[1], &right)];
+        assert!(ahead[0] / ahead[1] > 1.03 * behind[0] / behind[1], "{ahead:?} {behind:?}");
+        let spot = part(&painted[1], &|pixel| is_spot(pixel, 128));
+        assert!(spot[0] < 0.6 * ahead[0], "{spot:?} {ahead:?}");
+    }
+
+    #[test]
+    fn a_state_wears_its_own_scan() {
+        let (settings, blade) = (settings(), blade());
+        let scans = Scans::from([("red".to_owned(), Picture::filled(8, 8, [90, 60, 200, 255]))]);
+        let canvas = Canvas::new(&settings, &blade, &scans);
+        let jobs = ["red", "yellow"].map(|state| Job { state: state.to_owned(), variant: 0 });
+        let (painted, _) = paint_on(&canvas, &settings, &jobs, 1);
+        assert!(
+            painted[0].reflected.iter().all(|pixel| pixel.iter().zip([90, 60, 200]).all(|(a, b)| a.abs_diff(b) < 2))
+        );
+        assert_eq!(painted[1], paint(&settings, &blade, &jobs[1..], 1).0[0]);
     }
 }

@@ -1,211 +1,316 @@
 //! Where in a blade the pigments are: how a leaf ages from its margin and between its veins, and where it is scorched.
 //!
-//! Chlorophyll leaves the margin and the areoles first and the veins last; the areoles, the cells of the vein net, age
-//! each at its own pace, so that blotches are bounded by veins; anthocyanin is uneven over the blade and scarce along the
-//! veins; dead tissue creeps in from the margin and in specks. Observed on scans of autumn leaves; amounts by eye.
+//! Each place has a lead, how far ahead of its leaf it ages: areoles and the patches they form each at their own pace, the
+//! margin early, tissue near veins late. Chlorophyll is what is left behind a front that moves over the leads, so that its
+//! borders are sharp and run along veinlets; anthocyanin follows a field of its own; dead tissue takes whole areoles, in
+//! from the margin and in spots. Observed on scans of autumn leaves; amounts by eye.
 
-use super::Pigments;
+use super::areoles::own;
 use super::noise::Noise;
-use super::surface::{ORDERS, Surface};
-use crate::base::maths::{expf, mix, smooth_step};
+use super::surface::{Surface, Tissue};
+use super::{Painting, Pigments};
+use crate::base::maths::{exp, expf, ln, mix, smooth_step};
 use crate::base::random::Stream;
+use crate::base::vector::Vec2;
 
-/// Coarse and fine areoles in a texture's width: about 4 and 1.5 mm on a leaf of 75 mm.
-const PATCHES: f32 = 19.0;
-const AREOLES: f32 = 48.0;
-/// How far from a vein of each order its tissue stays supplied, texture widths, and by how much.
-const SUPPLY: [(f32, f32); ORDERS] = [(0.030, 1.0), (0.016, 0.85), (0.007, 0.5)];
+/// Entries of a table over -1..1.
+const ENTRIES: usize = 1024;
+/// Beyond this the front's curve is flat, in its widths.
+const TAIL: f32 = 8.0;
 
-/// What one pixel of the blade holds.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// What one areole brings to the fields of a texture.
+#[derive(Clone, Copy, Debug, Default)]
+struct Share {
+    lead: f32,
+    /// Factor on anthocyanins.
+    redness: f32,
+    /// Distance from the margin up to which tissue is dead, texture widths.
+    dry: f32,
+    /// Brown pigment of dead spots, and how dead it is, 0..1.
+    brown: f32,
+    dead: f32,
+    /// Factor on the brown pigment that lies all over the blade.
+    tint: f32,
+    /// Factor on chlorophyll.
+    mottle: f32,
+    /// Factor on reflected light.
+    light: f32,
+}
+
+/// The amounts by which the fields are scaled: found so that a texture's mean has its state's colour.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Amounts {
+    /// The lead at which half of the chlorophyll is left.
+    pub front: f32,
+    /// Chlorophyll behind the front (ug/cm2).
+    pub full: f32,
+    /// Anthocyanins where the field is 1 (ug/cm2).
+    pub anthocyanins: f32,
+    /// Brown pigment of living tissue.
+    pub brown: f32,
+}
+
+/// What a place holds, and how its surface looks.
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sample {
     /// Chlorophyll and anthocyanins (ug/cm2) and brown pigment.
     pub contents: [f32; 3],
-    /// Factor on reflected light: relief, and the thick tissue of veins.
-    pub reflected: f32,
-    /// Factor on transmitted light.
-    pub transmitted: f32,
+    /// Factors on light reflected above, let through, and reflected below.
+    pub light: [f32; 3],
 }
 
-/// How far a state has gone, read from its pigments.
-#[derive(Clone, Copy, Debug)]
-struct Age {
-    /// 0 in a green leaf, 1 when the chlorophyll is gone.
-    faded: f32,
-    /// 0 in a living leaf, 1 in a brown one.
-    dead: f32,
+/// The fields of one texture.
+pub(super) struct Fields<'a> {
+    shares: Vec<Share>,
+    painting: &'a Painting,
+    /// How far a state has gone: 0 in a green leaf, 1 when the chlorophyll is gone; and 0 in a living leaf, 1 in a brown one.
+    pub faded: f32,
+    pub dead: f32,
+    /// Width of the front, in leads.
+    width: f32,
+    /// The same of a vein itself.
+    vein_paling: f32,
+    /// How much longer tissue at veins keeps its chlorophyll, in leads.
+    hold: f32,
+    /// Share of its chlorophyll that a vein lacks.
+    pale: f32,
+    /// One over a fifth of a millimetre, in texture widths.
+    per_fifth: f32,
+    /// Factor on the brown pigment of what died before the leaf did.
+    fresh_death: f32,
+    /// The logistic function over -TAIL..TAIL.
+    front: Vec<f32>,
+    /// Share of its anthocyanin that tissue beside a vein lacks.
+    paling: f32,
 }
 
-impl Age {
-    fn new(pigments: &Pigments) -> Self {
-        Self {
-            faded: 1.0 - smooth_step(2.0, 26.0, pigments.chlorophyll as f32),
-            dead: smooth_step(0.4, 1.0, pigments.brown as f32),
+impl<'a> Fields<'a> {
+    /// The fields of a state's texture. `reference` is the chlorophyll of the green leaf; `stream` belongs to the texture.
+    pub(super) fn new(
+        surface: &Surface,
+        painting: &'a Painting,
+        pigments: &Pigments,
+        reference: f64,
+        stream: &mut Stream,
+    ) -> Self {
+        let faded = (1.0 - pigments.chlorophyll / reference.max(1e-6)).clamp(0.0, 1.0) as f32;
+        let dead = smooth_step(0.4, 1.0, pigments.brown as f32);
+        let logistic = |entry: usize| 1.0 / (1.0 + expf((2.0 * entry as f32 / ENTRIES as f32 - 1.0) * TAIL));
+        let mut fields = Self {
+            shares: Vec::new(),
+            painting,
+            faded,
+            dead,
+            width: painting.softness as f32 * mix(0.45, 0.15, smooth_step(0.2, 0.55, faded)),
+            // A red or a dead leaf keeps little green at its veins.
+            hold: painting.hold as f32
+                * (1.0 - 0.7 * dead)
+                * (1.0 - 0.6 * smooth_step(4.0, 12.0, pigments.anthocyanins as f32)),
+            pale: 0.05 + 0.45 * (1.0 - faded) * (1.0 - faded) * (1.0 - faded),
+            per_fifth: 5.0 / surface.millimetre,
+            fresh_death: mix(1.0, 0.7, dead),
+            front: (0..=ENTRIES).map(logistic).collect(),
+            vein_paling: 0.5 * (1.0 - dead),
+            paling: mix(0.25, 0.5, faded),
+        };
+        let salt = stream.bits();
+        let clouds = Clouds::new(salt);
+        let used = surface.used.iter().enumerate();
+        let share = |(number, used): (usize, &bool)| {
+            if *used { fields.share(surface, &clouds, number, salt) } else { Share::default() }
+        };
+        fields.shares = used.map(share).collect();
+        fields.add_spots(surface, stream);
+        fields
+    }
+
+    /// Amounts before any matching: those of a leaf whose mean contents are the state's.
+    pub(super) fn amounts(&self, pigments: &Pigments, reference: f64, tissue: &[Tissue]) -> Amounts {
+        // What is behind the front has lost some of the green leaf's chlorophyll too.
+        let share = f64::from(mix(0.7, 0.5, smooth_step(0.8, 1.0, self.faded)));
+        let rest = (reference / pigments.chlorophyll.max(0.05)).max(1.0);
+        let full = (1.05 * pigments.chlorophyll * exp(share * ln(rest))) as f32;
+        let mut amounts = Amounts { front: 0.0, full, anthocyanins: 1.0, brown: 0.0 };
+        let (mut low, mut high) = (-4.0f32, 4.0f32);
+        for _ in 0..10 {
+            amounts.front = 0.5 * (low + high);
+            if self.mean(tissue, 0, &amounts) < pigments.chlorophyll {
+                low = amounts.front
+            } else {
+                high = amounts.front
+            }
         }
-    }
-}
-
-/// The painter of one texture.
-struct Pattern<'a> {
-    surface: &'a Surface,
-    age: Age,
-    salt: u64,
-    /// Density of dead specks, 0 to 1, and of the pale halo round them.
-    specks: Vec<(f32, f32)>,
-}
-
-/// The pigments of every pixel of the blade, in the order of the pixels inside; their means are the state's contents
-/// (brown may exceed it where the margin is scorched). `stream` belongs to the texture.
-pub(super) fn pigment_field(surface: &Surface, pigments: &Pigments, stream: &mut Stream) -> Vec<Sample> {
-    let age = Age::new(pigments);
-    let pattern = Pattern { surface, age, salt: stream.bits(), specks: specks(surface.size, age, stream) };
-    let pixels = (0..surface.inside.len()).filter(|&pixel| surface.inside[pixel]);
-    let mut samples: Vec<Sample> = pixels.map(|pixel| pattern.sample(pixel)).collect();
-    scale(&mut samples, 0, pigments.chlorophyll as f32);
-    scale(&mut samples, 1, pigments.anthocyanins as f32);
-    let scorched = mean(&samples, 2);
-    // Scorch is part of the state's brown pigment, but never all of it: the rest lies evenly.
-    let even = (pigments.brown as f32 - scorched).max(0.35 * pigments.brown as f32);
-    for (sample, tint) in samples.iter_mut().zip(pattern.tints()) {
-        sample.contents[2] += even * tint;
-    }
-    samples
-}
-
-fn mean(samples: &[Sample], content: usize) -> f32 {
-    let sum: f64 = samples.iter().map(|sample| f64::from(sample.contents[content])).sum();
-    (sum / samples.len().max(1) as f64) as f32
-}
-
-fn scale(samples: &mut [Sample], content: usize, wanted: f32) {
-    let factor = wanted / mean(samples, content).max(1e-9);
-    samples.iter_mut().for_each(|sample| sample.contents[content] *= factor);
-}
-
-/// How near the veins a pixel is, and whether it is one.
-struct Near {
-    /// 1 on a vein, falling to 0 in the tissue between.
-    supply: f32,
-    /// Share of the pixel covered by veins of the first and of the second and third order.
-    core: [f32; 2],
-    /// Crease beside the larger veins.
-    crease: f32,
-}
-
-impl Pattern<'_> {
-    fn noise(&self, layer: u64) -> Noise {
-        Noise(self.salt.wrapping_add(layer.wrapping_mul(0x9E37_79B9_7F4A_7C15)))
+        amounts.anthocyanins = (pigments.anthocyanins / self.mean(tissue, 1, &amounts).max(1e-6)) as f32;
+        let spent = self.mean(tissue, 2, &amounts);
+        amounts.brown = (pigments.brown - spent).max(0.35 * pigments.brown) as f32;
+        amounts
     }
 
-    fn near(&self, pixel: usize) -> Near {
-        let edges: [f32; ORDERS] = std::array::from_fn(|order| self.surface.veins[order][pixel]);
-        let supply = (0..ORDERS).map(|o| SUPPLY[o].1 * expf(-edges[o].max(0.0) / SUPPLY[o].0)).fold(0.0, f32::max);
-        let covered = |edge: f32| (0.75 - edge * self.surface.size as f32).clamp(0.0, 1.0);
-        let crease = expf(-edges[0].max(0.0) / 0.007).max(0.6 * expf(-edges[1].max(0.0) / 0.005));
-        Near { supply, core: [covered(edges[0]), (0.75 * covered(edges[1])).max(0.18 * covered(edges[2]))], crease }
+    /// The largest contents that a palette must hold.
+    pub(super) fn most(&self, amounts: &Amounts, pigments: &Pigments) -> [f32; 3] {
+        let reddest = self.shares.iter().map(|share| share.redness).fold(1.0, f32::max);
+        [
+            (1.5 * amounts.full).max(8.0),
+            (1.6 * amounts.anthocyanins * reddest.min(4.0)).max(6.0),
+            (3.0 * pigments.brown as f32).max(3.0),
+        ]
     }
 
-    /// A pixel's factors of chlorophyll and anthocyanins, and its scorch.
-    fn sample(&self, pixel: usize) -> Sample {
-        let (u, v) = self.surface.place(pixel);
-        let Age { faded, dead } = self.age;
-        let near = self.near(pixel);
-        // Warped places keep cells and bands from looking drawn with a ruler.
-        let warp = 0.010;
-        let (x, y) = (u + warp * self.noise(1).octaves(u, v, 14.0), v + warp * self.noise(2).octaves(u, v, 14.0));
-        let (patch, areole) = (self.noise(3).cell(x, y, PATCHES), self.noise(4).cell(x, y, AREOLES));
-        let net = 1.0 - smooth_step(0.0, 0.16, areole.clearance);
-        let (broad, blotch) = (self.noise(5).octaves(u, v, 2.7), self.noise(6).octaves(x, y, 8.0));
-        let margin = self.surface.margin[pixel];
-        let rim = expf(-margin / 0.055);
-        let (speck, halo) = self.speck(x, y);
+    fn mean(&self, tissue: &[Tissue], content: usize, amounts: &Amounts) -> f64 {
+        let sum: f64 = tissue.iter().map(|tissue| f64::from(self.at(tissue, amounts).contents[content])).sum();
+        sum / tissue.len().max(1) as f64
+    }
 
-        // How far ahead of its leaf this place ages.
-        let ahead = 0.8 * rim + 0.55 * broad + 0.45 * blotch + 0.55 * (patch.value - 0.5) + 0.35 * (areole.value - 0.5)
-            - 1.45 * near.supply
-            - 0.22 * net;
-        let core = near.core[0].max(near.core[1]);
-        let chlorophyll =
-            expf(-mix(0.20, 1.45, faded) * ahead) * (1.0 - mix(0.60, 0.35, faded) * core) * (1.0 - 0.4 * halo);
-        let redness =
-            0.55 * broad + 0.35 * blotch + 0.45 * (patch.value - 0.5) + 0.30 * (areole.value - 0.5) + 0.35 * rim
-                - 0.75 * near.supply
-                - 0.15 * net;
-        let anthocyanins = expf(mix(0.3, 1.0, faded) * redness) * (1.0 - 0.70 * core) * (1.0 + 0.3 * halo);
+    /// What a place holds.
+    #[inline]
+    pub(super) fn at(&self, tissue: &Tissue, amounts: &Amounts) -> Sample {
+        let share = &self.shares[tissue.areole as usize];
+        let lead = share.lead + tissue.lead + 0.22 * tissue.grain
+            - self.hold * (0.5 * tissue.supply + 0.3 * tissue.vein + 0.12 * tissue.veinlet);
+        // The front of what dried up at the margin: ragged, darkest where it came to rest.
+        let inward = share.dry * (1.0 + 0.5 * tissue.grain) - tissue.margin;
+        let scorch = (inward * self.per_fifth).clamp(0.0, 1.0);
+        let rest = (1.0 - 0.2 * inward * self.per_fifth).clamp(0.0, 1.0);
+        let dead = share.dead.max(scorch);
+        // A pale vein in a green leaf; the last green in a yellow one.
+        let pale = 1.0 - self.pale * tissue.vein.max(0.4 * tissue.veinlet);
+        let behind = read(&self.front, (lead - amounts.front) / (self.width * TAIL));
+        let chlorophyll = amounts.full
+            * share.mottle
+            * pale
+            * (1.0 - 0.8 * dead)
+            * (1.0 - 0.8 * self.dead * tissue.vein)
+            * behind.max(0.25 * share.dead);
+        let anthocyanins = amounts.anthocyanins
+            * (share.redness * tissue.redness)
+            * (1.0 - self.paling * tissue.beside)
+            * (1.0 + 0.35 * tissue.grain)
+            * (1.0 - self.vein_paling * tissue.vein)
+            * (1.0 - 0.22 * tissue.veinlet)
+            * (1.0 - 0.7 * dead);
+        let brown = amounts.brown * share.tint * (1.0 + 0.3 * tissue.grain) * (1.0 - 0.3 * tissue.vein)
+            + (share.brown.max(scorch * (0.9 + 1.5 * rest) * self.fresh_death) + tissue.brown)
+                * (1.0 - 0.3 * tissue.vein);
+        let bright = tissue.vein * mix(0.24, 0.10, self.faded) * (1.0 - self.dead) + tissue.veinlet * 0.05;
+        let light = tissue.light * share.light;
         Sample {
-            contents: [chlorophyll, anthocyanins, self.scorch(margin, (x, y), broad, speck)],
-            reflected: self.relief(&near, areole.value, net, (u, v)) * mix(1.0 + 0.45 * core, 1.0 + 0.22 * core, dead),
-            transmitted: (1.0 - 0.45 * near.core[0]) * (1.0 - 0.25 * near.core[1]) * (1.0 - 0.08 * net),
+            contents: [chlorophyll, anthocyanins, brown],
+            light: [light * (1.0 + bright), tissue.through, light * (1.0 + 1.3 * bright)],
         }
     }
 
-    /// Specks at a warped place, so that none is a perfect disc.
-    fn speck(&self, x: f32, y: f32) -> (f32, f32) {
-        let size = self.surface.size;
-        let pixel = |value: f32| ((value * size as f32).max(0.0) as usize).min(size - 1);
-        self.specks[pixel(y) * size + pixel(x)]
+    /// The part of an areole in everything but spots.
+    fn share(&self, surface: &Surface, clouds: &Clouds, number: usize, salt: u64) -> Share {
+        let areole = surface.net.areoles[number];
+        let own_of = |layer: u64, number: u32| own(salt ^ layer << 56, number) - 0.5;
+        let (patch, single) = (own_of(1, areole.patch), own_of(2, number as u32));
+        let [broad, blotch, shadow, ragged, cloud] = clouds.at(areole.place);
+        let (margin, supply) = surface.about(areole.place);
+        let rim = expf(-margin / 0.06);
+        let painting = self.painting;
+        let uneven = painting.patchiness as f32;
+        let lead = painting.margin as f32 * rim
+            + uneven * (0.42 * broad + 0.36 * blotch + 0.40 * patch + 0.26 * single)
+            - 0.55 * self.hold * supply;
+        // Leaves that lay on this one kept the sun, and the red, from part of it.
+        let shaded = smooth_step(0.0, 0.10, shadow - 0.45);
+        let red = uneven * (0.34 * broad + 0.40 * ragged + 0.45 * own_of(3, areole.patch) + 0.34 * single) + 0.30 * rim
+            - 0.6 * shaded;
+        Share {
+            lead,
+            redness: expf(mix(0.35, 1.0, self.faded) * red),
+            dry: self.scorch(broad, ragged + 0.5 * single + 0.5 * patch) * surface.millimetre,
+            brown: 0.0,
+            dead: 0.0,
+            tint: (1.0 + 0.45 * cloud + 0.42 * patch + 0.30 * single - 0.4 * supply * self.dead).max(0.25),
+            mottle: 1.0 + 0.16 * single + 0.14 * patch + 0.12 * blotch,
+            light: 1.0 + 0.05 * own_of(4, number as u32) + 0.05 * own_of(4, areole.patch),
+        }
     }
 
-    /// Brown pigment of tissue that died early: a ragged band along parts of the margin, and specks.
-    fn scorch(&self, margin: f32, (x, y): (f32, f32), broad: f32, speck: f32) -> f32 {
-        // Whole stretches of the margin are spared; where it is scorched, the band's front is frayed at the scale of areoles.
-        let stretch = smooth_step(-0.1, 0.9, broad + 0.6 * self.noise(10).octaves(x, y, 6.0));
-        let frayed = 1.0 + 0.9 * self.noise(11).octaves(x, y, 26.0);
-        let width = 0.022 * stretch * frayed * smooth_step(0.55, 1.0, self.age.faded);
-        let band = if width > 0.0 { 1.0 - smooth_step(0.0, width, margin) } else { 0.0 };
-        (1.5 * band + 1.0 * speck) * mix(1.0, 0.6, self.age.dead)
+    /// How far the margin dried up at an areole, millimetres: in stretches, along a ragged front.
+    fn scorch(&self, broad: f32, frayed: f32) -> f32 {
+        let stretch = smooth_step(0.0, 0.8, broad + 0.4 * frayed);
+        self.painting.scorch as f32 * stretch * (1.0 + 0.6 * frayed).max(0.0) * smooth_step(0.5, 1.0, self.faded)
     }
 
-    /// Light and shade of the surface itself: creases beside veins, tissue that bulges between them, fine grain.
-    fn relief(&self, near: &Near, areole: f32, net: f32, (u, v): (f32, f32)) -> f32 {
-        let crease = 0.12 * near.crease * (1.0 - near.core[0].max(near.core[1]));
-        let grain = 0.03 * self.noise(7).octaves(u, v, 90.0);
-        (1.0 - crease) * (1.0 + grain + 0.05 * (areole - 0.5)) * (1.0 + mix(0.02, 0.05, self.age.dead) * net)
+    /// Dead spots: Poisson in number, log-normal in size, made of whole areoles, pale within a dark rim when they are
+    /// large, and with a yellow halo in green leaves.
+    fn add_spots(&mut self, surface: &Surface, stream: &mut Stream) {
+        let wanted = self.painting.spots * f64::from(0.06 + 0.94 * self.faded);
+        let mut spent = 0.0;
+        loop {
+            // Unit-rate events until `wanted` is spent are Poisson in number.
+            spent += stream.exponential();
+            if spent > wanted {
+                return;
+            }
+            let place = Vec2::new(stream.uniform() as f32, stream.uniform() as f32);
+            let radius = (0.38 * expf(0.75 * stream.normal() as f32)).min(3.0) * surface.millimetre;
+            let ragged = stream.bits();
+            self.add_spot(surface, place, radius, ragged);
+        }
     }
 
-    /// Unevenness of the brown pigment that lies all over the blade, mean about 1, never below 0.3.
-    fn tints(&self) -> impl Iterator<Item = f32> + '_ {
-        let pixels = (0..self.surface.inside.len()).filter(|&pixel| self.surface.inside[pixel]);
-        pixels.map(|pixel| {
-            let (u, v) = self.surface.place(pixel);
-            let cloud = 0.42 * self.noise(8).octaves(u, v, 3.1) + 0.30 * self.noise(9).octaves(u, v, 11.0);
-            let patch = self.noise(3).cell(u, v, PATCHES).value - 0.5;
-            (1.0 + cloud + 0.35 * patch - 0.45 * self.near(pixel).supply * self.age.dead).max(0.3)
-        })
+    fn add_spot(&mut self, surface: &Surface, place: Vec2, radius: f32, ragged: u64) {
+        let large = radius > 2.2 * surface.net.width;
+        for number in surface.net.around(place, 2.2 * radius) {
+            let Some(areole) = surface.net.areoles.get(number) else { continue };
+            let frayed = 1.0 + 0.7 * (own(ragged, number as u32) - 0.5);
+            let far = (areole.place - place).norm() / (radius * frayed);
+            let share = &mut self.shares[number];
+            if far < 1.15 {
+                let centre = large && far < 0.62;
+                let dead = 1.0 - smooth_step(0.8, 1.15, far);
+                share.dead = share.dead.max(dead);
+                share.brown = share.brown.max(dead * if centre { 0.9 } else { 2.6 } * mix(1.0, 0.75, self.dead));
+            } else if far < 1.9 {
+                share.lead += 0.6 * (1.9 - far);
+                share.redness *= 1.0 + 0.3 * (1.9 - far);
+            }
+        }
     }
 }
 
-/// Dead specks: a Poisson number of dots, sizes log-normal about 0.2 % of the texture, each with a halo.
-fn specks(size: usize, age: Age, stream: &mut Stream) -> Vec<(f32, f32)> {
-    let mut covered = vec![(0.0f32, 0.0f32); size * size];
-    let (wanted, mut spent) = (f64::from(2.0 + 60.0 * age.faded), 0.0);
-    loop {
-        // Unit-rate events until `wanted` is spent are Poisson in number.
-        spent += stream.exponential();
-        if spent > wanted {
-            return covered;
-        }
-        let (x, y) = (stream.uniform() as f32, stream.uniform() as f32);
-        let radius = (0.0022 * expf(0.6 * stream.normal() as f32)).min(0.010);
-        stamp(&mut covered, size, (x, y), radius);
+/// Smooth unevenness over the texture, on a grid: cheap to read at every areole.
+struct Clouds(Vec<[f32; 5]>);
+
+impl Clouds {
+    /// Cells of the grid along each side.
+    const GRID: usize = 48;
+    /// Frequencies of what ages broadly, in blotches, lies in another leaf's shade, is ragged, and browns in clouds.
+    const FREQUENCIES: [f32; 5] = [2.6, 8.5, 1.7, 7.0, 3.1];
+
+    fn new(salt: u64) -> Self {
+        let noise = |layer: usize| Noise(salt.wrapping_add((layer as u64 + 5).wrapping_mul(0x9E37_79B9_7F4A_7C15)));
+        let node = |index: usize| {
+            let place = |i: usize| i as f32 / Self::GRID as f32;
+            let (x, y) = (place(index % (Self::GRID + 1)), place(index / (Self::GRID + 1)));
+            std::array::from_fn(|layer| noise(layer).octaves(x, y, Self::FREQUENCIES[layer]))
+        };
+        Self((0..(Self::GRID + 1) * (Self::GRID + 1)).map(node).collect())
+    }
+
+    fn at(&self, place: Vec2) -> [f32; 5] {
+        let axis = |value: f32| {
+            let value = value.clamp(0.0, 1.0) * Self::GRID as f32;
+            let node = (value as usize).min(Self::GRID - 1);
+            (node, value - node as f32)
+        };
+        let ((column, u), (row, v)) = (axis(place.x), axis(place.y));
+        let first = row * (Self::GRID + 1) + column;
+        let [a, b, c, d] = [first, first + 1, first + Self::GRID + 1, first + Self::GRID + 2].map(|i| &self.0[i]);
+        std::array::from_fn(|k| mix(mix(a[k], b[k], u), mix(c[k], d[k], u), v))
     }
 }
 
-fn stamp(covered: &mut [(f32, f32)], size: usize, (x, y): (f32, f32), radius: f32) {
-    let pixel = |value: f32| (value * size as f32).clamp(0.0, size as f32) as usize;
-    let (reach, soft) = (3.0 * radius, 0.7 / size as f32);
-    for row in pixel(y - reach)..pixel(y + reach) {
-        for column in pixel(x - reach)..pixel(x + reach) {
-            let (dx, dy) = ((column as f32 + 0.5) / size as f32 - x, (row as f32 + 0.5) / size as f32 - y);
-            let distance = (dx * dx + dy * dy).sqrt();
-            // A dot smaller than a pixel covers only part of it.
-            let part = (radius * size as f32).min(1.0);
-            let dot = part * (1.0 - smooth_step(radius - soft, radius + soft, distance));
-            let (core, halo) = &mut covered[row * size + column];
-            *core = core.max(dot);
-            *halo = halo.max(part * (1.0 - smooth_step(radius, reach, distance)));
-        }
-    }
+/// A table over -1..1, linear between entries, its ends beyond.
+#[inline]
+fn read(table: &[f32], x: f32) -> f32 {
+    let place = ((x + 1.0) * (0.5 * ENTRIES as f32)).clamp(0.0, ENTRIES as f32 - 0.01);
+    let entry = place as i32 as usize;
+    let (low, high) = (table[entry], table[entry + 1]);
+    low + (high - low) * (place - entry as f32)
 }
 
 #[cfg(test)]
@@ -214,48 +319,93 @@ mod tests {
     use super::*;
     use crate::base::random::Purpose;
 
-    fn turning() -> Pigments {
-        Pigments { chlorophyll: 5.0, anthocyanins: 2.5, brown: 0.1, ..Pigments::default() }
-    }
+    const GREEN: f64 = 38.0;
 
-    fn field(variant: u64) -> (Surface, Vec<Sample>) {
-        let surface = Surface::new(&blade(), 128);
-        let samples = pigment_field(&surface, &turning(), &mut Stream::new(1, Purpose::Texture, 0, variant));
+    /// The tissue and what it holds, of a leaf with some of its chlorophyll left.
+    fn field(left: f64, variant: u64) -> (Surface, Vec<Sample>) {
+        let pigments = Pigments { chlorophyll: left * GREEN, anthocyanins: 2.5, brown: 0.1, ..Pigments::default() };
+        let surface = Surface::new(&blade(), 256);
+        let painting = Painting::default();
+        let mut stream = Stream::new(1, Purpose::Texture, 0, variant);
+        let fields = Fields::new(&surface, &painting, &pigments, GREEN, &mut stream);
+        let amounts = fields.amounts(&pigments, GREEN, &surface.tissue);
+        let samples = surface.tissue.iter().map(|tissue| fields.at(tissue, &amounts)).collect();
         (surface, samples)
     }
 
-    /// Mean chlorophyll of the pixels that a condition picks.
-    fn chlorophyll(surface: &Surface, samples: &[Sample], picks: impl Fn(usize) -> bool) -> f32 {
-        let inside = (0..surface.inside.len()).filter(|&pixel| surface.inside[pixel]);
-        let picked: Vec<f32> =
-            inside.zip(samples).filter(|(pixel, _)| picks(*pixel)).map(|(_, sample)| sample.contents[0]).collect();
+    /// Mean of a content over the tissue that a condition picks.
+    fn mean(surface: &Surface, samples: &[Sample], content: usize, picks: impl Fn(&Tissue) -> bool) -> f32 {
+        let picked: Vec<f32> = surface
+            .tissue
+            .iter()
+            .zip(samples)
+            .filter(|(tissue, _)| picks(tissue))
+            .map(|(_, sample)| sample.contents[content])
+            .collect();
         picked.iter().sum::<f32>() / picked.len() as f32
     }
 
     #[test]
-    fn means_are_the_states_contents() {
-        let (_, samples) = field(0);
-        assert!((mean(&samples, 0) - 5.0).abs() < 1e-3);
-        assert!((mean(&samples, 1) - 2.5).abs() < 1e-3);
+    fn before_matching_means_are_the_states_contents() {
+        for left in [0.9, 0.5, 0.15, 0.03] {
+            let (surface, samples) = field(left, 0);
+            let chlorophyll = f64::from(mean(&surface, &samples, 0, |_| true));
+            assert!((chlorophyll / (left * GREEN) - 1.0).abs() < 0.02, "{chlorophyll} at {left}");
+            assert!((mean(&surface, &samples, 1, |_| true) - 2.5).abs() < 0.01);
+        }
     }
 
     #[test]
-    fn chlorophyll_stays_along_the_veins_and_leaves_the_margin_first() {
-        let (surface, samples) = field(0);
-        let vein = |pixel: usize| surface.veins[0][pixel].min(surface.veins[1][pixel]);
-        let beside = chlorophyll(&surface, &samples, |pixel| (0.006..0.02).contains(&vein(pixel)));
-        let between = chlorophyll(&surface, &samples, |pixel| vein(pixel) > 0.06 && surface.margin[pixel] > 0.1);
-        let rim = chlorophyll(&surface, &samples, |pixel| vein(pixel) > 0.06 && surface.margin[pixel] < 0.03);
-        assert!(beside > 1.5 * between, "{beside} {between}");
-        assert!(between > 1.2 * rim, "{between} {rim}");
+    fn at_half_the_chlorophyll_veins_hold_half_as_much_again_as_the_fields_between() {
+        for variant in 0..3 {
+            let (surface, samples) = field(0.5, variant);
+            let veins = mean(&surface, &samples, 0, |tissue| tissue.vein > 0.7);
+            let beside = mean(&surface, &samples, 0, |tissue| tissue.vein == 0.0 && tissue.supply > 0.5);
+            let between = mean(&surface, &samples, 0, |tissue| tissue.vein == 0.0 && tissue.supply < 0.3);
+            assert!(veins > 1.5 * between && beside > 1.5 * between, "{veins} {beside} {between}");
+        }
     }
 
     #[test]
-    fn variants_differ_everywhere() {
-        let ((_, one), (_, other)) = (field(0), field(1));
-        let values = |samples: &[Sample]| samples.iter().map(|sample| sample.contents[1]).collect::<Vec<_>>();
-        let (one, other) = (values(&one), values(&other));
-        let same = one.iter().zip(&other).filter(|(a, b)| (*a - *b).abs() < 1e-3).count();
+    fn chlorophyll_leaves_the_margin_first() {
+        let (surface, samples) = field(0.5, 0);
+        let middle = mean(&surface, &samples, 0, |tissue| tissue.supply < 0.3 && tissue.margin > 0.1);
+        let rim = mean(&surface, &samples, 0, |tissue| tissue.supply < 0.3 && tissue.margin < 0.03);
+        assert!(middle > 1.2 * rim, "{middle} {rim}");
+    }
+
+    #[test]
+    fn in_a_green_leaf_veins_are_paler_than_the_fields_between() {
+        let (surface, samples) = field(1.0, 0);
+        let veins = mean(&surface, &samples, 0, |tissue| tissue.vein > 0.7);
+        assert!(veins < 0.8 * mean(&surface, &samples, 0, |tissue| tissue.vein == 0.0));
+    }
+
+    #[test]
+    fn what_turns_is_bounded_by_veinlets() {
+        // Over a border of two areoles chlorophyll changes more than within either, by the same distance.
+        let (surface, samples) = field(0.4, 0);
+        let numbers: Vec<usize> = surface.pixels().collect();
+        let (mut across, mut within) = ((0.0, 0), (0.0, 0));
+        for (pair, contents) in surface
+            .tissue
+            .windows(2)
+            .zip(samples.windows(2))
+            .zip(numbers.windows(2))
+            .filter_map(|((tissue, samples), numbers)| (numbers[1] == numbers[0] + 1).then_some((tissue, samples)))
+        {
+            let change = (contents[1].contents[0] - contents[0].contents[0]).abs();
+            let side = if pair[0].areole == pair[1].areole { &mut within } else { &mut across };
+            *side = (side.0 + change, side.1 + 1);
+        }
+        let mean = |(sum, count): (f32, usize)| sum / count as f32;
+        assert!(mean(across) > 1.3 * mean(within), "{across:?} {within:?}");
+    }
+
+    #[test]
+    fn variants_differ() {
+        let ((_, one), (_, other)) = (field(0.3, 0), field(0.3, 1));
+        let same = one.iter().zip(&other).filter(|(a, b)| (a.contents[1] - b.contents[1]).abs() < 1e-3).count();
         assert!(same * 20 < one.len(), "{same} of {}", one.len());
     }
 }

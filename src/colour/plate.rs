@@ -95,19 +95,28 @@ fn pile(one: Shares, count: f64) -> Shares {
     Shares { reflected: a * (1.0 - fading2) / below, transmitted: fading * (a2 - 1.0) / below }
 }
 
-/// Shares of the light that a leaf reflects and transmits at one wavelength.
-pub(super) fn leaf(wavelength: &Wavelength, faces: &Faces, pigments: &Pigments) -> Shares {
+/// Optical depth of a whole leaf at one wavelength: the sum of what each content absorbs.
+pub(super) fn depth(wavelength: &Wavelength, pigments: &Pigments) -> f64 {
     let [chlorophyll, carotenoids, anthocyanins, brown, water, dry_matter] = wavelength.absorption;
-    let depth = pigments.chlorophyll * chlorophyll
+    pigments.chlorophyll * chlorophyll
         + pigments.carotenoids * carotenoids
         + pigments.anthocyanins * anthocyanins
         + pigments.brown * brown
         + pigments.water * water
-        + pigments.dry_matter * dry_matter;
-    let layer = layer_transmittance(depth / pigments.structure);
+        + pigments.dry_matter * dry_matter
+}
+
+/// Shares of the light that a leaf reflects and transmits at one wavelength.
+pub(super) fn leaf(wavelength: &Wavelength, faces: &Faces, pigments: &Pigments) -> Shares {
+    leaf_of_depth(faces, depth(wavelength, pigments), pigments.structure)
+}
+
+/// The same for a leaf of `structure` plates and an optical depth.
+pub(super) fn leaf_of_depth(faces: &Faces, depth: f64, structure: f64) -> Shares {
+    let layer = layer_transmittance(depth / structure);
     let first = plate(faces, faces.entry, layer);
     let further = plate(faces, faces.inward, layer);
-    let rest = pile(further, pigments.structure - 1.0);
+    let rest = pile(further, structure - 1.0);
     let between = 1.0 - rest.reflected * further.reflected;
     Shares {
         reflected: first.reflected + first.transmitted * rest.reflected * further.transmitted / between,

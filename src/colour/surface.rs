@@ -2,15 +2,50 @@
 //!
 //! Lengths are in texture widths (the blade is about 0.94 long); the layout is that of the mesh's texture coordinates.
 
+use super::areoles::Net;
 use super::distance;
 use crate::base::blade::{Blade, Vein};
+use crate::base::maths::expf;
+use crate::base::noise::Lattice;
+use crate::base::random::hash_unit;
 use crate::base::vector::{DVec2, Vec2};
 use tiny_skia::{FillRule, Mask, PathBuilder, Transform};
 
 /// Orders of veins told apart.
 pub(super) const ORDERS: usize = 3;
 /// How far a vein of each order makes itself felt.
-const REACH: [f32; ORDERS] = [0.16, 0.09, 0.04];
+const REACH: [f32; ORDERS] = [0.075, 0.045, 0.02];
+/// How far from a vein of each order its tissue stays supplied, texture widths, and by how much.
+const SUPPLY: [(f32, f32); ORDERS] = [(0.019, 1.0), (0.011, 0.8), (0.005, 0.45)];
+/// Widths of the veinlets that bound a patch and of those within it, millimetres.
+const VEINLETS: [f64; 2] = [0.15, 0.07];
+
+/// What never changes at one place of a blade, whatever its state.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Tissue {
+    /// Number of its areole.
+    pub areole: u32,
+    /// Distance from the margin.
+    pub margin: f32,
+    /// 1 on a vein, falling to 0 in the tissue between.
+    pub supply: f32,
+    /// 1 on a vein, falling steeply beside it.
+    pub beside: f32,
+    /// Share covered by main and secondary veins, and by those of the third order.
+    pub vein: f32,
+    /// Share covered by veinlets.
+    pub veinlet: f32,
+    /// Unevenness finer than areoles, -0.5..0.5.
+    pub grain: f32,
+    /// Factor on reflected light of the surface's own unevenness.
+    pub light: f32,
+    /// Factor on transmitted light: veins are thick.
+    pub through: f32,
+    /// What a scan shows of the place: its lead, a factor on anthocyanins, and brown pigment of dead tissue.
+    pub lead: f32,
+    pub redness: f32,
+    pub brown: f32,
+}
 
 /// The blade, rasterised.
 #[derive(Clone, Debug)]
@@ -26,6 +61,14 @@ pub(super) struct Surface {
     pub veins: [Vec<f32>; ORDERS],
     /// The nearest pixel inside (itself for those inside), and its distance in pixels.
     pub filler: Vec<(u32, f32)>,
+    /// The net of veinlets.
+    pub net: Net,
+    /// Which areoles have a pixel inside.
+    pub used: Vec<bool>,
+    /// The tissue of each pixel inside, in their order.
+    pub tissue: Vec<Tissue>,
+    /// Texture widths in a millimetre.
+    pub millimetre: f32,
 }
 
 impl Surface {
@@ -39,26 +82,107 @@ impl Surface {
         let outside: Vec<bool> = inside.iter().map(|leaf| !leaf).collect();
         let (squares, _) = distance::nearest(&outside, size);
         let (gaps, sources) = distance::nearest(&inside, size);
-        Self {
+        let veins: [Vec<f32>; ORDERS] = std::array::from_fn(|order| vein_distances(blade, size, order));
+        let scale = if blade.mesh.uv_scale > 0.0 { blade.mesh.uv_scale } else { 12.5 };
+        let net = Net::new(scale, size, |place, within| {
+            let pixel = |value: f32| ((value * size as f32).max(0.0) as usize).min(size - 1);
+            let pixel = pixel(place.y) * size + pixel(place.x);
+            veins[0][pixel].min(veins[1][pixel]) < within
+        });
+        let mut surface = Self {
             size,
             margin: squares.iter().map(|square| (square.sqrt() - 0.5).clamp(0.0, size as f32) / size as f32).collect(),
-            veins: std::array::from_fn(|order| vein_distances(blade, size, order)),
+            veins,
             filler: sources.into_iter().zip(gaps.iter().map(|gap| gap.sqrt())).collect(),
             inside,
-        }
+            used: vec![false; net.areoles.len()],
+            net,
+            tissue: Vec::new(),
+            millimetre: (scale * 1e-3) as f32,
+        };
+        surface.tissue = surface.pixels().map(|pixel| surface.tissue_at(pixel)).collect();
+        surface.tissue.iter().for_each(|tissue| surface.used[tissue.areole as usize] = true);
+        surface
+    }
+
+    /// Numbers of the pixels inside, in order.
+    pub(super) fn pixels(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.inside.len()).filter(|&pixel| self.inside[pixel])
     }
 
     /// The middle of a pixel in texture coordinates.
-    pub(super) fn place(&self, pixel: usize) -> (f32, f32) {
+    pub(super) fn place(&self, pixel: usize) -> Vec2 {
         let (column, row) = (pixel % self.size, pixel / self.size);
-        ((column as f32 + 0.5) / self.size as f32, (row as f32 + 0.5) / self.size as f32)
+        Vec2::new((column as f32 + 0.5) / self.size as f32, (row as f32 + 0.5) / self.size as f32)
+    }
+
+    /// Distance from the margin and supply at a place, those of the nearest pixel.
+    pub(super) fn about(&self, place: Vec2) -> (f32, f32) {
+        let pixel = |value: f32| ((value * self.size as f32).max(0.0) as usize).min(self.size - 1);
+        let pixel = pixel(place.y) * self.size + pixel(place.x);
+        (self.margin[pixel], self.supply(std::array::from_fn(|order| self.veins[order][pixel])))
+    }
+
+    fn supply(&self, edges: [f32; ORDERS]) -> f32 {
+        (0..ORDERS).map(|o| SUPPLY[o].1 * expf(-edges[o].max(0.0) / SUPPLY[o].0)).fold(0.0, f32::max)
+    }
+
+    /// The share of a pixel that a line of a half width covers at a distance from its edge.
+    fn covered(&self, edge: f32, half: f32) -> f32 {
+        let size = self.size as f32;
+        // A line narrower than a pixel covers only part of it.
+        (0.5 - edge * size).clamp(0.0, 1.0) * (2.0 * half * size).min(1.0)
+    }
+
+    fn tissue_at(&self, pixel: usize) -> Tissue {
+        let edges: [f32; ORDERS] = std::array::from_fn(|order| self.veins[order][pixel]);
+        let spot = self.net.at(self.place(pixel));
+        let half = 0.5 * VEINLETS[usize::from(!spot.strong)] as f32 * self.millimetre;
+        let veinlet = self.covered(spot.veinlet - half, half) * if spot.strong { 0.85 } else { 0.4 };
+        let [main, second, third] = std::array::from_fn(|o| self.covered(edges[o], 1.0));
+        let supply = self.supply(edges);
+        // Tissue beside the larger veins lies in their shade.
+        let crease = expf(-edges[0].max(0.0) / 0.006).max(0.6 * expf(-edges[1].max(0.0) / 0.004));
+        let place = self.place(pixel) * (1.0 / self.millimetre);
+        let fleck = Lattice::new(7).value(place.x / 0.28, place.y / 0.28) - 0.5;
+        let grain = 0.7 * fleck + 0.5 * (hash_unit(8, pixel as u64) - 0.5);
+        // A vein is round: its flanks turn away from the light.
+        let flank = (1.0 - (edges[0].min(edges[1]) / (0.12 * self.millimetre)).abs()).max(0.0);
+        // Round, and so palest along its middle.
+        let main = main * (0.65 + 0.35 * (-edges[0] / (0.22 * self.millimetre)).clamp(0.0, 1.0));
+        let square = supply * supply;
+        let vein = main.max(0.85 * second).max(0.45 * third);
+        Tissue {
+            areole: spot.areole,
+            margin: self.margin[pixel],
+            supply,
+            beside: square * square * square,
+            vein,
+            veinlet,
+            grain,
+            light: (1.0 - 0.10 * crease * (1.0 - vein) - 0.10 * flank) * (1.0 + 0.09 * grain),
+            through: (1.0 - 0.5 * main) * (1.0 - 0.38 * second) * (1.0 - 0.22 * third) * (1.0 - 0.16 * veinlet),
+            lead: 0.0,
+            redness: 1.0,
+            brown: 0.0,
+        }
     }
 }
 
-/// Pixels whose middle lies within the outline, by the non-zero rule: where lobes overlap there is leaf.
+/// Pixels whose middle lies within the outline, where lobes overlap too, and in none of the gaps.
 fn filled(blade: &Blade, size: usize) -> Vec<bool> {
+    let mut inside = area(blade, &blade.outline, size);
+    for hole in &blade.holes {
+        let gap = area(blade, hole, size);
+        inside.iter_mut().zip(gap).for_each(|(leaf, gap)| *leaf &= !gap);
+    }
+    inside
+}
+
+/// Pixels within a closed line, by the non-zero rule.
+fn area(blade: &Blade, line: &[DVec2], size: usize) -> Vec<bool> {
     let mut path = PathBuilder::new();
-    for (index, &point) in blade.outline.iter().enumerate() {
+    for (index, &point) in line.iter().enumerate() {
         let place = blade.mesh.uv(point) * size as f32;
         if index == 0 {
             path.move_to(place.x, place.y);

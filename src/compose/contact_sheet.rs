@@ -43,7 +43,13 @@ impl Sheet {
     /// A sheet of so many pixels with `count` cells in a grid that is as square as can be.
     #[must_use]
     pub fn new(width: u32, height: u32, count: usize) -> Self {
-        let [columns, rows] = grid(count);
+        Self::in_columns(width, height, count, 0)
+    }
+
+    /// The same with so many cells in a row; 0 for as square as can be.
+    #[must_use]
+    pub fn in_columns(width: u32, height: u32, count: usize, columns: u32) -> Self {
+        let [columns, rows] = grid(count, columns);
         // A line may not take a cell's last pixel.
         let line = (height / 360).max(1).min(width / columns / 4).min(height / rows / 4);
         Self { width, height, columns, rows, line }
@@ -147,6 +153,8 @@ mod tests {
             let Sheet { columns, rows, .. } = Sheet::new(800, 600, count);
             (columns, rows)
         };
+        let Sheet { columns, rows, .. } = Sheet::in_columns(800, 600, 66, 6);
+        assert_eq!((columns, rows), (6, 11));
         let found: Vec<(u32, u32)> = [1, 2, 3, 4, 5, 9, 10, 12].map(grid).into();
         assert_eq!(found, [(1, 1), (2, 1), (2, 2), (2, 2), (3, 2), (3, 3), (4, 3), (4, 3)]);
     }

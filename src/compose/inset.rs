@@ -74,7 +74,7 @@ impl Stock {
         let parts = &self.models[model as usize].parts;
         let of_material = |number: u32| {
             let material = &self.materials[number as usize];
-            [material.reflected, material.transmitted].into_iter().flatten()
+            [material.reflected, material.transmitted, material.behind, material.relief].into_iter().flatten()
         };
         let textures: Vec<u32> = parts.iter().flat_map(|part| of_material(part.material)).collect();
         let no_mesh = Arc::new(Mesh::default());

@@ -16,10 +16,12 @@ pub mod picture_inset;
 mod specimen;
 mod stand;
 mod sward;
+mod texture_size;
 mod view;
 
 pub use leaf_area::blade_area;
 pub use stand::{Form, Stand};
+pub use texture_size::{largest_texture, texture_size};
 
 use crate::base::mesh::Mesh;
 use crate::base::random::{Purpose, Stream};
@@ -75,6 +77,8 @@ pub struct Stock {
     /// Where the petiole of each species and length leaves its twig, in the leaf's coordinates.
     petiole_bases: BTreeMap<(usize, Petiole), Vec3>,
     ground: Option<crate::frame::Ground>,
+    /// Reliefs that textures were made of, and their numbers.
+    reliefs: Vec<(Arc<Vec<[u8; 3]>>, u32)>,
 }
 
 impl Stock {
@@ -189,14 +193,16 @@ impl Stock {
     }
 
     fn add_leaf_material(&mut self, species: &Species, name: &str, state: &str, painted: Option<&Painted>) -> u32 {
-        let mut textures = [None, None];
+        let mut textures = [None; 4];
         if let Some(painted) = painted {
-            for (slot, (side, pixels)) in
-                textures.iter_mut().zip([("reflected", &painted.reflected), ("transmitted", &painted.transmitted)])
-            {
-                let (width, height) = (painted.size, painted.size);
-                let name = format!("{name}_{side}");
-                *slot = Some(self.push_texture(Texture { name, width, height, pixels: pixels.clone(), repeat: false }));
+            let maps = [
+                ("reflected", &painted.reflected),
+                ("transmitted", &painted.transmitted),
+                ("below", &painted.below),
+                ("relief", &*painted.relief),
+            ];
+            for (slot, (side, pixels)) in textures.iter_mut().zip(maps).filter(|(_, (_, pixels))| !pixels.is_empty()) {
+                *slot = Some(self.leaf_texture(&format!("{name}_{side}"), side, painted, pixels));
             }
         }
         // A dry leaf has lost its cuticle's sheen (judged, after Qiu et al. 2019 for the living one).
@@ -207,12 +213,34 @@ impl Stock {
             reflected: textures[0],
             transmission: [1.0; 3],
             transmitted: textures[1],
-            back_gain: 1.35,
-            gloss: if dry { 0.02 } else { 0.034 },
+            // Without a texture of its own the lower side is as much paler as measured ones are.
+            back_gain: if textures[2].is_some() { 1.0 } else { 1.35 },
+            behind: textures[2],
+            relief: textures[3],
+            gloss: if !species.colour.gloss {
+                0.0
+            } else if dry {
+                0.02
+            } else {
+                0.034
+            },
             roughness: if dry { 0.8 } else { 0.5 },
             two_sided: true,
             unlit: false,
         })
+    }
+
+    /// The texture of one map of a painted leaf; the relief is one for all leaves of a blade.
+    fn leaf_texture(&mut self, name: &str, side: &str, painted: &Painted, pixels: &[[u8; 3]]) -> u32 {
+        if side == "relief" {
+            if let Some((_, number)) = self.reliefs.iter().find(|(known, _)| Arc::ptr_eq(known, &painted.relief)) {
+                return *number;
+            }
+            let number = self.textures.len() as u32;
+            self.reliefs.push((painted.relief.clone(), number));
+        }
+        let (width, height) = (painted.size, painted.size);
+        self.push_texture(Texture { name: name.to_owned(), width, height, pixels: pixels.to_vec(), repeat: false })
     }
 
     /// A chart's colours as they are, white without one.
@@ -303,6 +331,8 @@ fn wood(name: &str, colour: [f32; 3]) -> Material {
         transmission: [0.0; 3],
         transmitted: None,
         back_gain: 1.0,
+        behind: None,
+        relief: None,
         gloss: 0.0,
         roughness: 0.95,
         two_sided: false,

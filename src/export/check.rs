@@ -40,7 +40,7 @@ fn check_material(frame: &Frame, material: &Material) -> Result<(), ExportError>
     if numbers.into_iter().any(|x| !x.is_finite()) {
         return Err(ExportError::NotFinite { what: what() });
     }
-    for number in [material.reflected, material.transmitted].into_iter().flatten() {
+    for number in [material.reflected, material.transmitted, material.relief].into_iter().flatten() {
         let missing = || ExportError::Missing { what: what(), kind: "texture", number };
         let texture = frame.textures.get(number as usize).ok_or_else(missing)?;
         check_size(&format!("texture {:?}", texture.name), texture.width, texture.height, texture.pixels.len())?;

@@ -24,6 +24,8 @@ pub(super) enum Shown {
     Reflected(u32),
     /// Texture of that number, scaled for the material of the second.
     Transmitted(u32, u32),
+    /// Texture of that number, normals.
+    Relief(u32),
 }
 
 /// The file and, by numbers of the frame, what it holds already. Everything is written when it is first used.

@@ -4,7 +4,9 @@
 //! `KHR_materials_diffuse_transmission`, which such a reader ignores. The extension splits diffuse light: a share (the
 //! factor) passes, tinted by the transmission colour, and only the rest is reflected. The share is therefore the largest
 //! transmittance that the material reaches, the least that can carry it: what passes is exact, and a reader that knows the
-//! extension reflects less by that share. Charts are `KHR_materials_unlit`; readers without it show them lit.
+//! extension reflects less by that share. Normals go into the core's normal texture, whose frame readers take from the
+//! texture coordinates. A lower side of its own cannot be said in glTF without a second copy of every leaf, so leaves wear
+//! their upper side on both. Charts are `KHR_materials_unlit`; readers without it show them lit.
 
 use super::document::{Document, Shown};
 use super::{ExportError, png};
@@ -12,7 +14,7 @@ use crate::base::maths::{linear_to_srgb8, srgb_to_linear};
 use crate::frame::{self, Material};
 use gltf_json::extensions::material::Material as Extensions;
 use gltf_json::image::MimeType;
-use gltf_json::material::{PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor};
+use gltf_json::material::{NormalTexture, PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor};
 use gltf_json::texture::{Info, MagFilter, MinFilter, Sampler, WrappingMode};
 use gltf_json::validation::Checked::Valid;
 use gltf_json::{Image, Index, Texture, Value};
@@ -29,6 +31,14 @@ impl Document<'_> {
         }
         let material = &self.frame.materials[number as usize];
         let reflected = material.reflected.map(|t| self.texture(Shown::Reflected(t))).transpose()?;
+        let relief = material.relief.filter(|_| !material.unlit);
+        let normal_texture = relief.map(|t| self.texture(Shown::Relief(t))).transpose()?.map(|index| NormalTexture {
+            index,
+            scale: 1.0,
+            tex_coord: 0,
+            extensions: None,
+            extras: Default::default(),
+        });
         let extensions = if material.unlit { Some(self.unlit()) } else { self.transmission(number, material)? };
         let [r, g, b] = material.colour.map(|x| x.clamp(0.0, 1.0));
         let written = gltf_json::Material {
@@ -41,6 +51,7 @@ impl Document<'_> {
                 roughness_factor: StrengthFactor(material.roughness.clamp(0.0, 1.0)),
                 ..PbrMetallicRoughness::default()
             },
+            normal_texture,
             extensions,
             ..gltf_json::Material::default()
         };
@@ -80,10 +91,10 @@ impl Document<'_> {
         if let Some(&known) = self.textures.get(&shown) {
             return Ok(known);
         }
-        let (Shown::Reflected(number) | Shown::Transmitted(number, _)) = shown;
+        let (Shown::Reflected(number) | Shown::Transmitted(number, _) | Shown::Relief(number)) = shown;
         let texture = &self.frame.textures[number as usize];
         let (name, file) = match shown {
-            Shown::Reflected(_) => (texture.name.clone(), encoded(texture, &texture.pixels)?),
+            Shown::Reflected(_) | Shown::Relief(_) => (texture.name.clone(), encoded(texture, &texture.pixels)?),
             Shown::Transmitted(_, material) => {
                 let material = &self.frame.materials[material as usize];
                 (format!("{}_through_{}", texture.name, material.name), encoded(texture, &tint(material, texture))?)

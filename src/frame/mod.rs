@@ -7,7 +7,7 @@ use crate::base::mesh::Mesh;
 use crate::base::vector::{Affine, Vec3};
 use std::sync::Arc;
 
-/// A picture that materials read: 8-bit sRGB, opaque, rows from the top.
+/// A picture that materials read: 8-bit sRGB (normals: plain numbers), opaque, rows from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     /// Unique name, `[a-z0-9_-]`.
@@ -35,8 +35,14 @@ pub struct Material {
     pub transmission: [f32; 3],
     /// Number of the texture of diffuse transmittance.
     pub transmitted: Option<u32>,
-    /// Reflectance of the side turned away from the normals, relative to the front.
+    /// Reflectance of the side turned away from the normals, relative to the texture that is read for it.
     pub back_gain: f32,
+    /// Number of the texture of diffuse reflectance of the side turned away from the normals; that of the front when absent.
+    /// Multiplied by `colour` like the front's.
+    pub behind: Option<u32>,
+    /// Number of the texture of normals, if the surface is not smooth: x along u, y against v, z out of the front, -1..1 in
+    /// 0..255, and no sRGB.
+    pub relief: Option<u32>,
     /// Fresnel reflectance at normal incidence of the gloss lobe; 0 for none.
     pub gloss: f32,
     /// Roughness of the gloss lobe, 0..1 (GGX alpha is its square).

@@ -30,7 +30,7 @@ mod wireframe;
 
 use crate::base::figures::{ErrorFigure, Figures};
 use crate::base::picture::Picture;
-use crate::frame::{Frame, Instance};
+use crate::frame::{Frame, Instance, Texture};
 use atmosphere::Atmosphere;
 use bins::Bins;
 use canopy::Canopy;
@@ -38,6 +38,8 @@ use cluster::ClusteredMesh;
 use projection::Projection;
 use rayon::prelude::*;
 use shadow::ShadowMap;
+use std::collections::BTreeSet;
+use std::sync::Arc;
 use texture::MipMap;
 use tone::Tone;
 
@@ -63,7 +65,7 @@ struct Prepared<'a> {
 pub fn draw(frame: &Frame) -> (Picture, Figures) {
     let view = frame.view;
     let meshes: Vec<ClusteredMesh> = frame.meshes.par_iter().map(|mesh| ClusteredMesh::new(mesh)).collect();
-    let textures: Vec<MipMap> = frame.textures.par_iter().map(|texture| MipMap::new(texture)).collect();
+    let textures = mip_maps(frame);
     let projection = Projection::camera(&frame.camera, view.width, view.height);
     let atmosphere = Atmosphere::new(frame, &textures);
     let canopy = Canopy::new(frame, &meshes, &textures, &atmosphere);
@@ -92,6 +94,15 @@ pub fn draw(frame: &Frame) -> (Picture, Figures) {
     let drawn: u64 = bins.items.iter().map(|item| item.cluster_in(&prepared.meshes).triangles.len() as u64).sum();
     let figures = figures(&prepared, error).with("triangles_drawn", drawn).with("lod_error_px", lod_error);
     (picture, figures)
+}
+
+/// The frame's textures, made ready; those that a material takes its relief from as normals.
+fn mip_maps(frame: &Frame) -> Vec<MipMap> {
+    let reliefs: BTreeSet<u32> = frame.materials.iter().filter_map(|material| material.relief).collect();
+    let made = |(number, texture): (usize, &Arc<Texture>)| {
+        if reliefs.contains(&(number as u32)) { MipMap::of_normals(texture) } else { MipMap::new(texture) }
+    };
+    frame.textures.par_iter().enumerate().map(made).collect()
 }
 
 fn draw_rows<const S: usize>(prepared: &Prepared, bins: &Bins) -> Vec<Vec<tile::Pixels>> {

@@ -28,6 +28,8 @@ struct Point {
     uv: Vec2,
     /// Width of a pixel on the surface, texture units.
     footprint: f32,
+    /// Unit vectors along u and against v on the surface; zero where the texture has no direction.
+    along: [Vec3; 2],
     /// Unit vector to the eye.
     to_eye: Vec3,
     salt: u64,
@@ -62,6 +64,15 @@ impl Prepared<'_> {
         self.frame.sun.irradiance.map(|e| e * lit)
     }
 
+    /// The normal on the side of the eye, turned by the surface's relief.
+    fn in_relief(&self, texture: u32, point: &Point) -> Vec3 {
+        let [across, up, out] = self.textures[texture as usize].sample(point.uv, point.footprint);
+        let side = if point.behind { -1.0 } else { 1.0 };
+        // What is a groove above is a ridge below.
+        let turned = point.normal * out + (point.along[0] * across + point.along[1] * up) * side;
+        turned.try_normalize(1e-6).unwrap_or(point.normal)
+    }
+
     fn colour(&self, factor: [f32; 3], texture: Option<u32>, point: &Point) -> [f32; 3] {
         match texture {
             Some(number) => {
@@ -84,14 +95,18 @@ pub(super) fn surface(prepared: &Prepared, item: &Item, triangle: u16, at: [f32;
 
 /// Radiance of a triangle of an item at a point of the picture.
 fn lit(prepared: &Prepared, item: &Item, triangle: u16, at: [f32; 2]) -> [f32; 3] {
-    let point = point(prepared, item, triangle, at);
+    let mut point = point(prepared, item, triangle, at);
     let material = &prepared.frame.materials[item.material as usize];
-    let mut reflected = prepared.colour(material.colour, material.reflected, &point);
+    let seen = if point.behind { material.behind.or(material.reflected) } else { material.reflected };
+    let mut reflected = prepared.colour(material.colour, seen, &point);
     if material.unlit {
         return reflected.map(|r| r / prepared.frame.view.exposure);
     }
     if point.behind {
         reflected = reflected.map(|r| (r * material.back_gain).min(0.95));
+    }
+    if let Some(number) = material.relief {
+        point.normal = prepared.in_relief(number, &point);
     }
     let ambient = prepared.ambient(point.position);
     let sun_direction = prepared.frame.sun.direction;
@@ -193,7 +208,17 @@ fn point(prepared: &Prepared, item: &Item, triangle: u16, at: [f32; 2]) -> Point
     let [p, q, r] = numbers.map(|v| mesh.uvs[v]);
     let uv = p * weights[0] + q * weights[1] + r * weights[2];
     let salt = hash(item.instance.into(), (at[0] as u64) << 32 | at[1] as u64);
-    Point { position, normal, behind, uv, footprint, to_eye, salt }
+    let along =
+        along([corners[1] - corners[0], corners[2] - corners[0]], [q - p, r - p]).map(|side| linear * side / scale);
+    Point { position, normal, behind, uv, footprint, along, to_eye, salt }
+}
+
+/// Unit vectors in which u and -v grow on a triangle, of two of its sides and what they are in the texture.
+fn along(sides: [Vec3; 2], of_texture: [Vec2; 2]) -> [Vec3; 2] {
+    let [a, b] = of_texture;
+    let doubled = a.x * b.y - a.y * b.x;
+    let unit = |v: Vec3| v.try_normalize(1e-20).unwrap_or_default() * doubled.signum();
+    [unit(sides[0] * b.y - sides[1] * a.y), unit(sides[0] * b.x - sides[1] * a.x)]
 }
 
 /// Weights moved into the triangle: the middle of the samples that a cluster owns may lie beside this triangle.

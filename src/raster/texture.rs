@@ -21,7 +21,16 @@ struct Level {
 impl MipMap {
     /// Decodes a texture and halves it down to one texel.
     pub(super) fn new(texture: &Texture) -> Self {
-        let table: Vec<f32> = (0..256u32).map(|code| srgb_to_linear(code as f32 / 255.0)).collect();
+        Self::decoded(texture, |code| srgb_to_linear(code as f32 / 255.0))
+    }
+
+    /// The same for normals, whose codes are plain numbers.
+    pub(super) fn of_normals(texture: &Texture) -> Self {
+        Self::decoded(texture, |code| (code as f32 - 128.0) / 127.0)
+    }
+
+    fn decoded(texture: &Texture, decode: impl Fn(u32) -> f32) -> Self {
+        let table: Vec<f32> = (0..256u32).map(decode).collect();
         let texels = texture.pixels.iter().map(|p| p.map(|code| table[usize::from(code)])).collect();
         let mut levels = vec![Level { width: texture.width, height: texture.height, texels }];
         while let Some(last) = levels.last().filter(|level| level.width > 1 || level.height > 1) {

@@ -195,7 +195,7 @@ impl<'a> Run<'a> {
             last => {
                 pictures.extend(last);
                 let image = &self.scene.image;
-                Sheet::new(image.width, image.height, pictures.len()).assemble(&pictures)
+                Sheet::in_columns(image.width, image.height, pictures.len(), image.columns).assemble(&pictures)
             }
         }
     }

@@ -109,7 +109,7 @@ fn cells(scene: &Scene) -> Vec<Scene> {
     if scene.cell_count() == 0 {
         return vec![scene.clone()];
     }
-    let sheet = Sheet::new(scene.image.width, scene.image.height, scene.cell_count());
+    let sheet = Sheet::in_columns(scene.image.width, scene.image.height, scene.cell_count(), scene.image.columns);
     let cell = |number: usize| {
         let [_, _, width, height] = sheet.cell(number);
         scene.cell(number, [width, height])

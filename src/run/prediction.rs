@@ -92,23 +92,24 @@ fn kept(cell: &Prepared) -> Parts {
     for (number, species) in scene.species.iter().enumerate() {
         let garments = plan.garments_of(number);
         let made = |count: u32| crate::plan::items(&garments, count).len() as f64;
-        let [shapes, textures] = worn(species, [made(species.deform.shapes), made(species.colour.variants)]);
+        let made = [made(species.deform.shapes), made(species.colour.variants)];
+        let [shapes, textures] = worn(scene, species, made);
         parts.extend([("deform", shapes), ("colour", textures)]);
     }
     parts
 }
 
 /// What so many shapes and textures of a species take.
-fn worn(species: &Species, [shapes, textures]: [f64; 2]) -> [f64; 2] {
-    let size = f64::from(species.colour.size);
-    [shapes * f64::from(species.leaf.vertices) * 300.0, textures * size * size * 70.0]
+fn worn(scene: &Scene, species: &Species, [shapes, textures]: [f64; 2]) -> [f64; 2] {
+    let size = f64::from(crate::compose::largest_texture(scene, species));
+    [shapes * f64::from(species.leaf.vertices) * 300.0, textures * size * size * 95.0]
 }
 
 /// What leaves wear when every state of every species is worn.
 pub fn worn_at_most(scene: &Scene) -> f64 {
     let of_species = |species: &Species| {
         let every = |count: u32| species.season.states.len() as f64 * f64::from(count);
-        worn(species, [every(species.deform.shapes), every(species.colour.variants)]).iter().sum::<f64>()
+        worn(scene, species, [every(species.deform.shapes), every(species.colour.variants)]).iter().sum::<f64>()
     };
     scene.species.iter().map(of_species).sum()
 }

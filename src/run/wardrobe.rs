@@ -10,7 +10,7 @@ use crate::base::limits::Limits;
 use crate::base::mesh::Mesh;
 use crate::base::picture::Picture;
 use crate::colour::{self, Painted};
-use crate::compose::{Form, Garment, Wardrobe, blade_area};
+use crate::compose::{Form, Garment, Wardrobe, blade_area, texture_size};
 use crate::deform;
 use crate::leaf::{self, Chart, Pictures};
 use crate::plan;
@@ -47,7 +47,8 @@ pub fn wardrobe(prepared: &Prepared, limits: &Limits, report: &mut Report) -> Re
         };
         leaf_area = leaf_area.map(|sum| sum + stand.standing().map(area_of).sum::<f64>());
         let shapes = tailor.shapes(&blade)?;
-        let textures = if plan.has("colour") { tailor.textures(&blade) } else { BTreeMap::new() };
+        let size = texture_size(scene, stand, number);
+        let textures = if plan.has("colour") { tailor.textures(&blade, size)? } else { BTreeMap::new() };
         let chart = chart(scene.image.leaves).map(|chart| Arc::new(charted(chart, &blade)));
         for garment in &garments {
             let item = |count: u32| (garment.state, garment.variant % count.max(1));
@@ -88,7 +89,7 @@ fn chart(leaves: Leaves) -> Option<Chart> {
 fn charted(chart: Chart, blade: &Blade) -> Painted {
     let picture = leaf::chart(chart, blade);
     let reflected: Vec<[u8; 3]> = picture.pixels.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
-    Painted { size: picture.width, transmitted: vec![[0; 3]; reflected.len()], reflected }
+    Painted { size: picture.width, transmitted: vec![[0; 3]; reflected.len()], reflected, ..Painted::default() }
 }
 
 /// Makes what leaves of one species wear.
@@ -142,14 +143,31 @@ impl Tailor<'_> {
         Ok(items.into_iter().zip(made.into_iter().map(Arc::new)).collect())
     }
 
-    fn textures(&mut self, blade: &Blade) -> BTreeMap<Item, Arc<Painted>> {
+    fn textures(&mut self, blade: &Blade, size: u32) -> Result<BTreeMap<Item, Arc<Painted>>, Diagnostics> {
         let (scene, species, states) = (self.scene, self.species, self.states);
         let items = plan::items(self.garments, species.colour.variants);
         let job = |&(state, variant): &Item| colour::Job { state: states[usize::from(state)].clone(), variant };
         let jobs: Vec<colour::Job> = items.iter().map(job).collect();
+        let scans = self.scans(&jobs)?;
+        let settings = colour::Settings { size: Some(size), ..species.colour.clone() };
         let made = self.timed("colour", || {
-            Ok::<_, std::convert::Infallible>(colour::paint(&species.colour, blade, &jobs, scene.seed))
+            let canvas = colour::Canvas::new(&settings, blade, &scans);
+            Ok::<_, std::convert::Infallible>(colour::paint_on(&canvas, &settings, &jobs, scene.seed))
         });
-        items.into_iter().zip(made.unwrap_or_else(|never| match never {}).into_iter().map(Arc::new)).collect()
+        let made = made.unwrap_or_else(|never| match never {});
+        Ok(items.into_iter().zip(made.into_iter().map(Arc::new)).collect())
+    }
+
+    /// The scans of the states that are worn.
+    fn scans(&self, jobs: &[colour::Job]) -> Result<colour::Scans, Diagnostics> {
+        let mut scans = colour::Scans::new();
+        for state in jobs.iter().map(|job| &job.state) {
+            if let Some(asset) = self.species.assets.get(&format!("colour.scans.{state}"))
+                && !scans.contains_key(state)
+            {
+                scans.insert(state.clone(), scene::read_picture(asset, self.limits)?);
+            }
+        }
+        Ok(scans)
     }
 }

@@ -22,6 +22,8 @@ pub use picture::read_picture;
 
 /// Keys whose text is the path of a picture, or of a file that names pictures.
 const KEYS: [&str; 4] = ["leaf.picture", "leaf.mask", "leaf.texture", "leaf.file"];
+/// A table whose every text is the path of a picture.
+const SCANS: &str = "colour.scans";
 /// Bytes of a file for each pixel that a picture may have: more than an uncompressed PNG of 8 bits a channel takes.
 const BYTES_PER_PIXEL: f64 = 5.0;
 /// Characters of a path in a message.
@@ -52,9 +54,13 @@ impl Asset {
 }
 
 /// The paths that a resolved table names, with their keys.
-pub(super) fn named(whole: &Value) -> Vec<(&'static str, String)> {
-    let text = |key: &str| whole.pointer(&format!("/{}", key.replace('.', "/"))).and_then(Value::as_str);
-    KEYS.into_iter().filter_map(|key| text(key).map(|name| (key, name.to_owned()))).collect()
+pub(super) fn named(whole: &Value) -> Vec<(String, String)> {
+    let at = |key: &str| whole.pointer(&format!("/{}", key.replace('.', "/")));
+    let text = |key: &str| at(key).and_then(Value::as_str).map(|name| (key.to_owned(), name.to_owned()));
+    let scans = at(SCANS).and_then(Value::as_object).into_iter().flatten();
+    let scan =
+        |(state, name): (&String, &Value)| name.as_str().map(|name| (format!("{SCANS}.{state}"), name.to_owned()));
+    KEYS.into_iter().filter_map(text).chain(scans.filter_map(scan)).collect()
 }
 
 /// Only the hashes, by key: two names of one content are the same scene.

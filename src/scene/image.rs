@@ -26,6 +26,8 @@ settings! {
         width: u32 = 1920, unit "px", range 1 => 1000000;
         /// Rows.
         height: u32 = 1080, unit "px", range 1 => 1000000;
+        /// Cells in a row of a contact sheet; 0 for a grid as square as can be.
+        columns: u32 = 0, range 0 => 100;
         /// Samples in each pixel: 1, 4, 8 or 16.
         samples: u32 = 8, range 1 => 16;
         /// What leaves show; all but "lit" are charts that no light changes.

@@ -11,11 +11,12 @@ pub(super) const MOST_CELLS: usize = 100;
 /// Fewest pixels of a cell's sides: less shows nothing to choose from.
 const SMALLEST_CELL: u32 = 16;
 
-/// Columns and rows of a grid for so many cells, as square as can be.
+/// Columns and rows of a grid for so many cells: of `columns`, or as square as can be when that is 0.
 #[must_use]
-pub fn grid(count: usize) -> [u32; 2] {
+pub fn grid(count: usize, columns: u32) -> [u32; 2] {
     let count = count.max(1) as u32;
-    let columns = (1..=count).find(|columns| columns * columns >= count).unwrap_or(count);
+    let square = || (1..=count).find(|columns| columns * columns >= count).unwrap_or(count);
+    let columns = if columns == 0 { square() } else { columns.min(count) };
     [columns, count.div_ceil(columns)]
 }
 
@@ -88,7 +89,7 @@ pub(super) fn check(scene: &Scene) -> Vec<Complaint> {
         let help = "write `seed` into each cell, or take one of the two away";
         complaints.push(Complaint::new("cells", "a sheet of `seeds` has no [[cells]]", help));
     }
-    let [columns, rows] = grid(count);
+    let [columns, rows] = grid(count, scene.image.columns);
     let (width, height) = (scene.image.width / columns, scene.image.height / rows);
     if width.min(height) < SMALLEST_CELL {
         let what = format!("cells of {width} by {height} pixels are too small to choose from");

@@ -204,14 +204,14 @@ impl Reader<'_> {
     fn assets(&mut self, source: &Arc<Source>, number: usize, table: &Value) -> BTreeMap<String, asset::Asset> {
         let mut assets = BTreeMap::new();
         for (key, name) in asset::named(table) {
-            let place = self.places.get(key).cloned();
+            let place = self.places.get(&key).cloned();
             match asset::find(&name, &self.folder, self.roots, self.limits) {
                 Ok(found) => {
-                    assets.insert(key.to_owned(), asset::Asset { place, ..found });
+                    assets.insert(key, asset::Asset { place, ..found });
                 }
                 Err(fault) => {
                     let diagnostic = fault.at(place);
-                    self.complain(source, Finding { species: Some(number), path: key.to_owned(), diagnostic });
+                    self.complain(source, Finding { species: Some(number), path: key, diagnostic });
                 }
             }
         }
