@@ -12,7 +12,7 @@ use leafseason::base::limits::Limits;
 use leafseason::base::mesh::Mesh;
 use leafseason::base::picture::Picture;
 use leafseason::colour::Painted;
-use leafseason::compose::{Form, Garment, Stand, Stock, Wardrobe};
+use leafseason::compose::{Dropped, Falls, Form, Garment, Stand, Stock, Wardrobe};
 use leafseason::export::Layout;
 use leafseason::frame::Frame;
 use leafseason::plan::{garments, items};
@@ -20,6 +20,7 @@ use leafseason::run::{self, Options};
 use leafseason::scene::{self, Scene, Species};
 use leafseason::season::LeafStates;
 use leafseason::{colour, deform, export, leaf, raster, season, tree};
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 use timing::{Case, case, consume, report, timed};
@@ -40,7 +41,11 @@ struct Inputs {
     fine: colour::Settings,
     canvas: colour::Canvas,
     wardrobe: Wardrobe,
+    stock: Stock,
+    falls: Falls,
     frame: Frame,
+    /// The frame with its litter.
+    strewn: Frame,
     picture: Picture,
 }
 
@@ -57,7 +62,9 @@ impl Inputs {
     fn new(path: &Path) -> Self {
         let limits = Limits::default();
         let (scene, _) = scene::read(path, &[], &[], &limits).expect("a scene");
-        let worn_garments = run::plan(&scene, &Options::default()).expect("a plan").garments;
+        let plan = run::plan(&scene, &Options::default()).expect("a plan");
+        let worn_garments: Vec<Garment> =
+            plan.garments.iter().chain(&plan.painted).copied().collect::<BTreeSet<_>>().into_iter().collect();
         let species = scene.species[0].clone();
         let (tree, _) = tree::grow(&species.tree, scene.seed, &limits).expect("a tree");
         let standing = scene.standing().expect("room").into_iter().map(|tree| (0, tree)).collect();
@@ -71,10 +78,30 @@ impl Inputs {
         let worn = garments(&scene, &stand, &states);
         let shapes = bent(&scene, &blade, &shape_jobs);
         let textures = colour::paint(&species.colour, &blade, &texture_jobs, scene.seed).0;
-        let wardrobe = wardrobe(&scene, states.names, &worn_garments, &shapes, &textures);
-        let frame = Stock::new(&scene, &stand, &wardrobe).frame(&scene, &stand, &worn);
+        let falls = falls(&scene, &stand, &states);
+        let mut wardrobe = wardrobe(&scene, states.names, &worn_garments, &shapes, &textures);
+        wardrobe.fallen = plan.fallen;
+        let stock = Stock::new(&scene, &stand, &wardrobe);
+        let frame = stock.frame(&scene, &stand, &worn);
+        let strewn = stock.strewn(&scene, &stand, &falls, frame.clone()).0;
         let picture = raster::draw(&frame).0;
-        Self { scene, species, stand, worn, blade, shape_jobs, texture_jobs, fine, canvas, wardrobe, frame, picture }
+        Self {
+            scene,
+            species,
+            stand,
+            worn,
+            blade,
+            shape_jobs,
+            texture_jobs,
+            fine,
+            canvas,
+            wardrobe,
+            stock,
+            falls,
+            frame,
+            strewn,
+            picture,
+        }
     }
 
     fn cases(&self) -> Vec<Case<'_>> {
@@ -99,7 +126,9 @@ impl Inputs {
                 consume(colour::paint_on(&self.canvas, &self.fine, &self.texture_jobs[..1], scene.seed));
             }),
             case("compose", || consume(Stock::new(scene, stand, &self.wardrobe).frame(scene, stand, &self.worn))),
+            case("fall", || consume(self.stock.strewn(scene, stand, &self.falls, frame.clone()))),
             case(UNIT, || consume(raster::draw(frame))),
+            case("raster, with litter", || consume(raster::draw(&self.strewn))),
             Case { threads: 2, ..case("raster", || consume(raster::draw(frame))) },
             case("png", || consume(export::png(&self.picture))),
             case("gltf nodes", || consume(export::glb(frame, Layout::Nodes))),
@@ -109,6 +138,16 @@ impl Inputs {
     }
 }
 
+/// What has become of the leaves that have fallen.
+fn falls(scene: &Scene, stand: &Stand, states: &LeafStates) -> Falls {
+    let fallen = states.names.iter().position(|name| name == "fallen");
+    let places = (0..states.states.len()).filter(|&site| Some(usize::from(states.states[site])) == fallen);
+    let drop = |site: usize| Dropped { site, year: 0, day: states.since[site], state: states.before[site] };
+    let dropped: Vec<Dropped> = places.map(drop).collect();
+    let attached = (states.states.len() - dropped.len()) as u64;
+    Falls::new(scene, stand, &states.names, &dropped, attached, scene.time.at(0))
+}
+
 fn states(scene: &Scene, ids: &[u64]) -> LeafStates {
     let mut leaves = season::Population::new(&scene.species[0].season, &scene.weather, scene.seed);
     let position = season::Position { height: 0.0, distance: 0.0, limb: 0, shoot: 0 };
@@ -116,7 +155,7 @@ fn states(scene: &Scene, ids: &[u64]) -> LeafStates {
     let (day, names) = (scene.time.at(0), leaves.names().to_vec());
     let expected = leaves.laws(&[day]).swap_remove(0).expected;
     let season::Sample { states, before, since, .. } = leaves.at(day);
-    LeafStates { names, states, before, since, expected }
+    LeafStates { names, states, before, since, expected, shed: Vec::new() }
 }
 
 fn shape_jobs(scene: &Scene, states: &[String], worn: &[Garment]) -> Vec<deform::Job> {
@@ -147,5 +186,6 @@ fn wardrobe(scene: &Scene, states: Vec<String>, worn: &[Garment], shapes: &[Mesh
         shapes: worn.iter().map(|g| (*g, Arc::new(shapes[place(g, species.deform.shapes)].clone()))).collect(),
         textures: worn.iter().map(|g| (*g, Arc::new(textures[place(g, species.colour.variants)].clone()))).collect(),
         states,
+        ..Wardrobe::default()
     }
 }

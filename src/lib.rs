@@ -3,6 +3,7 @@
 //! ```text
 //! scene.toml ─read→ Scene ─plan→ Plan ─┬─grow───→ Tree ────────┐
 //!                                      ├─assign─→ LeafStates ──┤   cheap: run first, and narrow the Plan
+//!                                      ├─fall───→ Fates ───────┤
 //!                                      ├─model──→ Blade ───────┤
 //!                                      ├─deform─→ Shapes ──────┤
 //!                                      └─paint──→ Textures ────┴─compose→ Frame ─┬─raster→ Picture → PNG
@@ -22,6 +23,7 @@ pub mod compare;
 pub mod compose;
 pub mod deform;
 pub mod export;
+pub mod fall;
 pub mod frame;
 pub mod leaf;
 pub mod plan;

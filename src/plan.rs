@@ -3,7 +3,9 @@
 //! bent and no texture painted that no leaf wears.
 
 use crate::base::message::shown;
-use crate::compose::{Garment, Stand, variant};
+use crate::base::random::hash;
+use crate::compose::{BROWN, Falls, Garment, Look, Stand, variant};
+use crate::fall::Fate;
 use crate::scene::image::Leaves;
 use crate::scene::{Scene, Species};
 use crate::season::{BUD, FALLEN, LeafStates};
@@ -87,9 +89,15 @@ pub struct Plan {
     pub left_out: Vec<LeftOut>,
     /// The frames.
     pub frames: Vec<PlannedFrame>,
-    /// What leaves wear in any frame.
+    /// What leaves wear in any frame: the shapes.
     #[serde(skip)]
     pub garments: Vec<Garment>,
+    /// The textures that leaves show in any frame: those of what they wear, and of what they turn to on the ground.
+    #[serde(skip)]
+    pub painted: Vec<Garment>,
+    /// What fallen leaves look like in any frame.
+    #[serde(skip)]
+    pub fallen: BTreeSet<(Garment, Look)>,
 }
 
 /// What is known of a frame before anything costly is done.
@@ -101,6 +109,8 @@ pub struct Counted {
     pub day: f64,
     /// The garments that its leaves wear.
     pub worn: BTreeSet<Garment>,
+    /// What its fallen leaves look like.
+    pub looks: BTreeSet<(Garment, Look)>,
     /// A number that is equal for frames with the same leaves in the same garments.
     pub signature: u64,
 }
@@ -150,17 +160,25 @@ pub fn plan(scene: &Scene, states: &[String], rolls: &[Roll], counted: &[Counted
         plan.job("tree", &name, &["season", "compose"]);
     }
     if counted.is_empty() {
-        for stage in ["leaf", "deform", "colour", "compose", "raster", "png", "gltf"] {
+        for stage in ["fall", "leaf", "deform", "colour", "compose", "raster", "png", "gltf"] {
             plan.leave(stage, Reason::AlreadyDone);
         }
         return plan;
     }
     if states.is_empty() {
-        for stage in ["season", "leaf", "deform", "colour"] {
+        for stage in ["season", "fall", "leaf", "deform", "colour"] {
             plan.leave(stage, Reason::NotAskedFor);
         }
     } else {
-        plan.job("season", "", &["compose"]);
+        let fallen: BTreeSet<(Garment, Look)> = counted.iter().flat_map(|frame| frame.looks.iter().copied()).collect();
+        let falls = scene.leaves_fall() && !(fallen.is_empty() && leave_out);
+        plan.job("season", "", if falls { &["fall", "compose"] } else { &["compose"] });
+        if falls {
+            plan.fallen = fallen;
+            plan.job("fall", "", &["compose"]);
+        } else {
+            plan.leave("fall", if scene.leaves_fall() { Reason::NoEffect } else { Reason::NotAskedFor });
+        }
         for number in 0..rolls.len() {
             plan_leaves(&mut plan, scene, states, (number, &rolls[number]), counted, leave_out);
         }
@@ -188,7 +206,13 @@ impl Plan {
     /// What leaves of a species wear in any frame.
     #[must_use]
     pub fn garments_of(&self, species: usize) -> Vec<Garment> {
-        self.garments.iter().copied().filter(|garment| usize::from(garment.species) == species).collect()
+        of_species(&self.garments, species)
+    }
+
+    /// The garments of a species whose textures are shown in any frame.
+    #[must_use]
+    pub fn painted_of(&self, species: usize) -> Vec<Garment> {
+        of_species(&self.painted, species)
     }
 
     /// The plans of a contact sheet's cells as one, each job told with its cell; what every cell leaves out is told once.
@@ -211,6 +235,10 @@ impl Plan {
     }
 }
 
+fn of_species(garments: &[Garment], species: usize) -> Vec<Garment> {
+    garments.iter().copied().filter(|garment| usize::from(garment.species) == species).collect()
+}
+
 /// The jobs of one species; where there are several, its name stands before theirs.
 fn plan_leaves(
     plan: &mut Plan,
@@ -228,12 +256,18 @@ fn plan_leaves(
         }
         return;
     }
-    let worn: BTreeSet<Garment> = counted.iter().flat_map(|frame| frame.worn.iter().copied()).collect();
+    let of_plan = std::mem::take(&mut plan.fallen);
+    let [worn, painted] = needed(counted, &of_plan, states, roll);
+    plan.fallen = of_plan;
     let every = roll.states.iter().filter(|&&state| !is_off_the_tree(&states[usize::from(state)]));
     let garment = |state: u16, variant: u32| Garment { species: number as u16, state, variant };
     let every = every.flat_map(|&state| (0..species.variants()).map(move |variant| garment(state, variant)));
-    let (kept, dropped): (Vec<Garment>, Vec<Garment>) = every.partition(|g| !leave_out || worn.contains(g));
-    if kept.is_empty() {
+    let every: Vec<Garment> = every.collect();
+    let split = |needed: &BTreeSet<Garment>| -> (Vec<Garment>, Vec<Garment>) {
+        every.iter().partition(|garment| !leave_out || needed.contains(garment))
+    };
+    let (shapes, textures) = (split(&worn), split(&painted));
+    if shapes.0.is_empty() {
         for stage in ["leaf", "deform", "colour"] {
             plan.leave(format!("{stage} {label}").trim_end(), Reason::NoLeafLeft);
         }
@@ -245,23 +279,58 @@ fn plan_leaves(
         place.is_ok_and(|place| roll.reachable.get(place).copied().unwrap_or(false))
     };
     let textured = scene.output.png || scene.output.gltf.is_some();
-    for (stage, feeds, count) in
-        [("deform", "compose", species.deform.shapes), ("colour", "compose", species.colour.variants)]
+    for (stage, (kept, dropped), count) in
+        [("deform", &shapes, species.deform.shapes), ("colour", &textures, species.colour.variants)]
     {
         if stage == "colour" && !(textured && scene.image.leaves == Leaves::Lit) {
             plan.leave(format!("{stage} {label}").trim_end(), Reason::NotAskedFor);
             continue;
         }
-        let made = items(&kept, count);
+        let made = items(kept, count);
         for (state, variant) in &made {
-            plan.job(stage, &format!("{label}{} {variant}", states[usize::from(*state)]), &[feeds]);
+            plan.job(stage, &format!("{label}{} {variant}", states[usize::from(*state)]), &["compose"]);
         }
-        for (state, variant) in items(&dropped, count).difference(&made) {
+        for (state, variant) in items(dropped, count).difference(&made) {
             let reason = if is_reachable(*state) { Reason::WornByNoLeaf } else { Reason::Unreachable };
             plan.leave(format!("{stage} {label}{} {variant}", states[usize::from(*state)]), reason);
         }
     }
-    plan.garments.extend(kept);
+    plan.garments.extend(shapes.0);
+    plan.painted.extend(textures.0);
+}
+
+/// The garments of a species whose shapes and whose textures leaves show in any frame.
+fn needed(
+    counted: &[Counted],
+    fallen: &BTreeSet<(Garment, Look)>,
+    states: &[String],
+    roll: &Roll,
+) -> [BTreeSet<Garment>; 2] {
+    let hanging: BTreeSet<Garment> = counted.iter().flat_map(|frame| frame.worn.iter().copied()).collect();
+    let (mut worn, mut painted) = (hanging.clone(), hanging);
+    let brown = states.iter().position(|state| state == BROWN).map(|place| place as u16);
+    let brown = brown.filter(|state| roll.states.contains(state));
+    for &(garment, look) in fallen {
+        worn.insert(garment);
+        let turned = matches!(look, Look::Brown | Look::Flat);
+        painted.insert(brown.filter(|_| turned).map_or(garment, |state| Garment { state, ..garment }));
+    }
+    [worn, painted]
+}
+
+/// A number that is equal for frames whose fallen leaves lie alike; `sum` is that of the leaves that hang.
+#[must_use]
+pub fn signature_of_falls(sum: u64, falls: &Falls, day: f64) -> u64 {
+    let moves = |fate: Fate| match fate {
+        Fate::Air(_) => day.to_bits(),
+        Fate::Fresh(share) if share < 1.0 => day.to_bits(),
+        _ => 0,
+    };
+    let of_leaf = |sum: u64, fall: &crate::compose::Fall| {
+        let look = fall.look().map_or(0, |look| look as u64 + 1);
+        hash(hash(hash(sum, fall.leaf.leaf), fall.leaf.year << 8 | look), moves(fall.fate))
+    };
+    falls.seen.iter().fold(sum, of_leaf)
 }
 
 /// The items of a stage that makes `count` variants of a state, for these garments of one species.

@@ -2,6 +2,7 @@
 
 use crate::base::figures::{ErrorFigure, Figures};
 use crate::base::message::shown;
+use crate::fall::Counts;
 use crate::plan::LeftOut;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -47,6 +48,9 @@ pub struct FrameReport {
     pub expected: BTreeMap<String, f64>,
     /// How many have fallen.
     pub fallen: u64,
+    /// What has become of all leaves that grew, where leaves fall: grown = attached + air + lying + decayed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fall: Option<Counts>,
     /// Name of the picture.
     pub png: Option<String>,
     /// Name of the glTF file.

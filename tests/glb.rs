@@ -87,6 +87,7 @@ fn frame() -> Frame {
             model("unused", &[(3, 2)]),
         ],
         instances: std::iter::once(trunk).chain((0..LEAVES).map(leaf)).collect(),
+        fallen: 0,
         camera: Camera {
             position: Vec3::new(0.0, 2.0, 9.0),
             target: Vec3::new(0.0, 2.0, 0.0),

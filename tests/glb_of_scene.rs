@@ -18,9 +18,9 @@ struct Said {
     models: BTreeSet<String>,
 }
 
-/// Renders the small scene, in which some leaves have fallen, to a GLB file of the layout.
+/// Renders the small scene, in which some leaves have fallen and are not seen, to a GLB file of the layout.
 fn said(layout: &str) -> Said {
-    let scene = small(&["time.day=10", "output.png=false", &format!("output.gltf={layout}")]);
+    let scene = small(&["time.day=10", "fall.on=false", "output.png=false", &format!("output.gltf={layout}")]);
     let folder = tempfile::tempdir().unwrap();
     let states = folder.path().join("states.csv");
     let options = Options { out: folder.path().to_owned(), states: Some(states.clone()), ..Options::default() };

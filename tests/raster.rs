@@ -50,6 +50,7 @@ fn frame() -> Frame {
         materials: vec![leaf()],
         models: vec![Model { name: "leaf".into(), parts: vec![Part { mesh: 0, material: 0 }] }],
         instances: vec![Instance { model: 0, transform: Affine::identity(), leaf: None }],
+        fallen: 0,
         camera: Camera {
             position: Vec3::new(0.0, 0.0, 4.0),
             target: Vec3::zeros(),

@@ -73,7 +73,7 @@ const STAGE: [(&str, &str); 6] = [
     ("figures", "figures"),
 ];
 const LEFT_OUT: [(&str, &str); 2] = [("what", "text"), ("reason", "reason")];
-const FRAME: [(&str, &str); 10] = [
+const FRAME: [(&str, &str); 11] = [
     ("index", "whole"),
     ("day", "number"),
     ("date", "text?"),
@@ -81,13 +81,14 @@ const FRAME: [(&str, &str); 10] = [
     ("states", "counts"),
     ("expected", "numbers"),
     ("fallen", "count"),
+    ("fall", "counts"),
     ("png", "text?"),
     ("gltf", "text?"),
     ("seconds", "number"),
 ];
 
 /// The figures of each stage that others read, for a leaf without a scan.
-const FIGURES: [(&str, &[(&str, &str)]); 5] = [
+const FIGURES: [(&str, &[(&str, &str)]); 6] = [
     (
         "tree",
         &[
@@ -111,6 +112,7 @@ const FIGURES: [(&str, &[(&str, &str)]); 5] = [
     ),
     ("deform", &[("shapes", "count"), ("iterations", "count"), ("residual", "number"), ("max_strain", "number")]),
     ("colour", &[("states", "table")]),
+    ("fall", &[("grown", "count"), ("attached", "count"), ("air", "count"), ("lying", "count"), ("decayed", "count")]),
     ("raster", &[("triangles", "count"), ("samples", "count"), ("cpu_seconds", "number")]),
 ];
 
@@ -143,7 +145,7 @@ fn every_field_of_the_contract_is_there() {
             assert!(colour.len() == 3 && colour.iter().all(Value::is_number), "{state} {side}");
         }
     }
-    for name in ["season", "leaf", "deform", "colour", "raster"] {
+    for name in ["season", "leaf", "deform", "colour", "fall", "raster"] {
         assert!(!stage(&report, name)["error"].is_null(), "{name} states no error");
     }
 }
@@ -151,7 +153,7 @@ fn every_field_of_the_contract_is_there() {
 #[test]
 fn the_numbers_of_a_report_agree_with_one_another() {
     let report = reported(&small(&["time.from=3", "time.to=9", "time.step=3"]));
-    let order = ["tree", "season", "leaf", "deform", "colour", "compose", "raster", "png", "gltf"];
+    let order = ["tree", "season", "leaf", "deform", "colour", "fall", "compose", "raster", "png", "gltf"];
     assert_eq!(names(&report), order);
     assert_eq!(report.frames.iter().map(|frame| frame.day).collect::<Vec<_>>(), [3.0, 6.0, 9.0]);
     let leaves = report.figure("tree", "leaves").and_then(Value::as_u64).unwrap();
@@ -188,7 +190,7 @@ fn a_leafless_scene_makes_no_leaf_and_says_why() {
 #[test]
 fn outputs_that_are_not_asked_for_do_not_appear() {
     let report = reported(&small(&["time.day=9", "output.png=false"]));
-    assert_eq!(names(&report), ["tree", "season", "leaf", "deform", "colour", "compose", "gltf"]);
+    assert_eq!(names(&report), ["tree", "season", "leaf", "deform", "colour", "fall", "compose", "gltf"]);
     assert_eq!((report.frames[0].png.as_deref(), report.frames[0].gltf.as_deref()), (None, Some("small.glb")));
 }
 

@@ -28,6 +28,7 @@ pub fn frame() -> Frame {
         materials: vec![material("bark", 0, 0.0), material("leaf", 1, 0.3)],
         models: vec![model("trunk", 0), model("leaf", 1)],
         instances: std::iter::once(wood).chain((0..LEAVES).map(leaf)).collect(),
+        fallen: 0,
         camera: Camera {
             position: Vec3::new(0.0, 1.6, 11.0),
             target: Vec3::new(0.0, 3.6, 0.0),

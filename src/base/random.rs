@@ -33,12 +33,18 @@ pub enum Purpose {
     Surroundings = 9,
     /// Where the trees of a grove stand and how they are turned.
     Planting = 16,
+    /// The way down of a falling leaf.
+    Flight = 20,
+    /// Gusts of wind.
+    Gust = 21,
+    /// How a fallen leaf lies and when it goes.
+    Litter = 22,
     /// When buds open.
-    BudBreak = 20,
+    BudBreak = 23,
     /// How fast the leaves of a limb or of a shoot pass through their season.
-    Tempo = 21,
+    Tempo = 24,
     /// How early or late a tree is among its fellows.
-    TreeTiming = 22,
+    TreeTiming = 25,
 }
 
 /// A stream of numbers for one owner.

@@ -45,6 +45,7 @@ impl Stock {
             materials: self.materials.clone(),
             models: self.models.clone(),
             instances: vec![Instance { model, transform, leaf: None }],
+            fallen: 0,
             camera: Camera {
                 position: Vec3::new(0.0, 1.0, distance),
                 target: Vec3::new(0.0, 1.0, 0.0),

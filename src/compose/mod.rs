@@ -7,10 +7,12 @@
 mod bark;
 mod bark_pattern;
 pub mod contact_sheet;
+mod falls;
 mod ground;
 mod inset;
 mod leaf_area;
 mod light;
+mod litter;
 mod petiole;
 pub mod picture_inset;
 mod specimen;
@@ -19,7 +21,9 @@ mod sward;
 mod texture_size;
 mod view;
 
+pub use falls::{Dropped, Fall, Falls, Look};
 pub use leaf_area::blade_area;
+pub use litter::BROWN;
 pub use stand::{Form, Stand};
 pub use texture_size::{largest_texture, texture_size};
 
@@ -27,9 +31,11 @@ use crate::base::mesh::Mesh;
 use crate::base::random::{Purpose, Stream};
 use crate::base::vector::{Affine, Mat3, Vec3};
 use crate::colour::Painted;
+use crate::fall::Stalk;
 use crate::frame::{Frame, Instance, Material, Model, Part, Texture};
 use crate::scene::{Scene, Species, ground::Cover, image::Leaves};
 use crate::tree::LeafSite;
+use litter::{Lying, Stalks};
 use petiole::Petiole;
 use stand::Pose;
 use std::collections::{BTreeMap, BTreeSet};
@@ -55,6 +61,10 @@ pub struct Wardrobe {
     pub shapes: BTreeMap<Garment, Arc<Mesh>>,
     /// Textures by garment; shared by garments whose texture is the same.
     pub textures: BTreeMap<Garment, Arc<Painted>>,
+    /// What fallen leaves look like.
+    pub fallen: BTreeSet<(Garment, Look)>,
+    /// Garments of which only the shape is worn, by fallen leaves that have turned brown.
+    pub bare: BTreeSet<Garment>,
 }
 
 /// The number of the variant that a leaf wears, of `count`.
@@ -76,6 +86,15 @@ pub struct Stock {
     wood: Vec<u32>,
     /// Where the petiole of each species and length leaves its twig, in the leaf's coordinates.
     petiole_bases: BTreeMap<(usize, Petiole), Vec3>,
+    /// Mesh and material of each garment.
+    blades: BTreeMap<Garment, u32>,
+    painted: BTreeMap<Garment, u32>,
+    /// Models of fallen leaves, with their shapes and what their petioles do.
+    lying: BTreeMap<(Garment, Petiole, Look), Lying>,
+    resting: Vec<(Arc<Mesh>, Stalk)>,
+    /// Meshes of flattened blades and, by length, of lying petioles.
+    flat: BTreeMap<Garment, u32>,
+    lying_stalks: BTreeMap<u64, u32>,
     ground: Option<crate::frame::Ground>,
     /// Reliefs that textures were made of, and their numbers.
     reliefs: Vec<(Arc<Vec<[u8; 3]>>, u32)>,
@@ -175,14 +194,13 @@ impl Stock {
             })
             .collect();
         for (garment, shape) in shapes {
-            let state = &wardrobe.states[usize::from(garment.state)];
-            let name = format!("leaf_{tag}{}_{}", model_name(state, garment.state), garment.variant);
+            let name = leaf_name(tag, wardrobe, *garment);
             let mesh = self.push_mesh(shape.clone());
-            let painted = wardrobe.textures.get(garment);
-            let material = match scene.image.leaves {
-                Leaves::Lit => self.add_leaf_material(species, &name, state, painted.map(Arc::as_ref)),
-                _ => self.add_chart_material(&name, painted.map(Arc::as_ref)),
-            };
+            self.blades.insert(*garment, mesh);
+            if wardrobe.bare.contains(garment) {
+                continue;
+            }
+            let material = self.leaf_material(scene, (number, tag), wardrobe, *garment);
             for &(petiole, stalk) in &stalks {
                 let mut parts = vec![Part { mesh, material }];
                 parts.extend(stalk);
@@ -190,6 +208,30 @@ impl Stock {
                 self.models.push(Model { name: format!("{name}{}", petiole.suffix()), parts });
             }
         }
+        let petioles: Vec<Petiole> = petioles.into_iter().collect();
+        self.add_fallen(scene, (number, tag), wardrobe, Stalks { length, bend, material }, &petioles);
+    }
+
+    /// The material of a garment, made once.
+    fn leaf_material(
+        &mut self,
+        scene: &Scene,
+        (number, tag): (usize, &str),
+        wardrobe: &Wardrobe,
+        garment: Garment,
+    ) -> u32 {
+        if let Some(&known) = self.painted.get(&garment) {
+            return known;
+        }
+        let name = leaf_name(tag, wardrobe, garment);
+        let painted = wardrobe.textures.get(&garment).map(Arc::as_ref);
+        let state = &wardrobe.states[usize::from(garment.state)];
+        let material = match scene.image.leaves {
+            Leaves::Lit => self.add_leaf_material(&scene.species[number], &name, state, painted),
+            _ => self.add_chart_material(&name, painted),
+        };
+        self.painted.insert(garment, material);
+        material
     }
 
     fn add_leaf_material(&mut self, species: &Species, name: &str, state: &str, painted: Option<&Painted>) -> u32 {
@@ -284,6 +326,7 @@ impl Stock {
             materials: self.materials.clone(),
             models: self.models.clone(),
             instances,
+            fallen: 0,
             camera,
             sun: lighting.sun,
             sky: lighting.sky,
@@ -315,6 +358,12 @@ fn tags(species: &[Species]) -> Vec<String> {
         tags.push(if tags.contains(&tag) { format!("{tag}{number}_") } else { tag });
     }
     tags
+}
+
+/// The name of a garment's model.
+fn leaf_name(tag: &str, wardrobe: &Wardrobe, garment: Garment) -> String {
+    let state = &wardrobe.states[usize::from(garment.state)];
+    format!("leaf_{tag}{}_{}", model_name(state, garment.state), garment.variant)
 }
 
 /// A state's name as models may bear it; a name with other characters than the built-in ones have gives way to its number.

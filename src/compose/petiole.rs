@@ -58,11 +58,20 @@ pub(super) fn base(length: f64, bend: f64) -> Vec3 {
 
 /// The tube. It leaves the twig straight and bends into the blade's plane along a quadratic Bezier curve.
 pub(super) fn mesh(length: f64, bend: f64) -> Mesh {
+    tube(length, bend, PIECES)
+}
+
+/// A tube in one piece: the petiole of a leaf that lies on the ground, where there are many.
+pub(super) fn straight(length: f64, bend: f64) -> Mesh {
+    tube(length, bend, 1)
+}
+
+fn tube(length: f64, bend: f64, pieces: usize) -> Mesh {
     let start = base(length, bend).cast::<f64>();
     let control = nalgebra::Vector3::new(0.0, -0.35 * length, 0.02 * length);
     let mut mesh = Mesh::default();
-    for ring in 0..=PIECES {
-        let t = ring as f64 / PIECES as f64;
+    for ring in 0..=pieces {
+        let t = ring as f64 / pieces as f64;
         let centre = start * ((1.0 - t) * (1.0 - t)) + control * (2.0 * t * (1.0 - t));
         let along = (control - start) * (1.0 - t) - control * t;
         let across = nalgebra::Vector3::x();
@@ -78,7 +87,7 @@ pub(super) fn mesh(length: f64, bend: f64) -> Mesh {
         }
     }
     let vertex = |ring: usize, side: usize| (ring * SIDES + side % SIDES) as u32;
-    for (ring, side) in (0..PIECES).flat_map(|ring| (0..SIDES).map(move |side| (ring, side))) {
+    for (ring, side) in (0..pieces).flat_map(|ring| (0..SIDES).map(move |side| (ring, side))) {
         let [a, b] = [vertex(ring, side), vertex(ring, side + 1)];
         let [c, d] = [vertex(ring + 1, side), vertex(ring + 1, side + 1)];
         mesh.triangles.extend([[a, d, b], [a, c, d]]);

@@ -31,6 +31,7 @@ impl Stock {
             materials: self.materials.clone(),
             models: self.models.clone(),
             instances: vec![Instance { model, transform: Affine::identity(), leaf: None }],
+            fallen: 0,
             camera: self.before(model, scene)?,
             sun: Sun { direction, irradiance: [sun; 3] },
             sky: Sky { zenith: even, horizon: even },

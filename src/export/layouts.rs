@@ -26,18 +26,21 @@ impl Document<'_> {
 
     fn nodes(&mut self, placements: &[Placement]) -> Children {
         let mut children = Vec::new();
-        for (instance, placement) in self.frame.instances.iter().zip(placements) {
-            children.extend(self.single(instance, placement)?);
+        for (number, placement) in placements.iter().enumerate() {
+            children.extend(self.single(number, placement)?);
         }
         Ok(children)
     }
 
-    /// A node for one instance, named after its leaf (its stable id in hexadecimal) or its model.
-    fn single(&mut self, instance: &Instance, placement: &Placement) -> Result<Option<Index<Node>>, ExportError> {
+    /// A node for one instance, named after its leaf (its stable id in hexadecimal) or its model. Leaves that have fallen have
+    /// another name than those that hang.
+    fn single(&mut self, number: usize, placement: &Placement) -> Result<Option<Index<Node>>, ExportError> {
+        let instance: &Instance = &self.frame.instances[number];
+        let kind = if number < self.frame.standing().len() { "leaf" } else { "fallen" };
         let Some(mesh) = self.model(instance.model)? else { return Ok(None) };
         self.triangles += self.model_triangles(instance.model);
         let model_name = &self.frame.models[instance.model as usize].name;
-        let name = instance.leaf.map_or_else(|| model_name.clone(), |id| format!("leaf_{id:016x}"));
+        let name = instance.leaf.map_or_else(|| model_name.clone(), |id| format!("{kind}_{id:016x}"));
         let index = self.node(&name, Some(mesh));
         place(&mut self.root.nodes[index.value()], placement);
         Ok(Some(index))
@@ -45,10 +48,12 @@ impl Document<'_> {
 
     fn merged(&mut self) -> Children {
         let mut children = Vec::new();
-        for (name, leaves) in [("wood", false), ("leaves", true)] {
-            let instances: Vec<(u32, Affine)> = self
-                .frame
-                .instances
+        let frame = self.frame;
+        let (standing, fallen) = (frame.standing(), &frame.instances[frame.standing().len()..]);
+        for (name, instances, leaves) in
+            [("wood", standing, false), ("leaves", standing, true), ("litter", fallen, true)]
+        {
+            let instances: Vec<(u32, Affine)> = instances
                 .iter()
                 .filter(|instance| instance.leaf.is_some() == leaves)
                 .map(|instance| (instance.model, instance.transform))
@@ -75,7 +80,7 @@ impl Document<'_> {
         let mut children = Vec::new();
         for model in order {
             match members[&model].as_slice() {
-                &[only] => children.extend(self.single(&self.frame.instances[only], &placements[only])?),
+                &[only] => children.extend(self.single(only, &placements[only])?),
                 many => children.extend(self.batch(model, many, placements)?),
             }
         }

@@ -178,8 +178,10 @@ pub struct Frame {
     pub materials: Vec<Material>,
     /// Models.
     pub models: Vec<Model>,
-    /// Everything that stands in the scene: the wood of each tree first, then the leaves, tree by tree.
+    /// Everything in the scene: the wood of each tree first, then the leaves, tree by tree, then those that have fallen.
     pub instances: Vec<Instance>,
+    /// How many of the last instances have fallen: they are no part of the crowns, whose light and extent they leave alone.
+    pub fallen: usize,
     /// The camera.
     pub camera: Camera,
     /// The sun.
@@ -190,4 +192,12 @@ pub struct Frame {
     pub ground: Option<Ground>,
     /// The picture.
     pub view: View,
+}
+
+impl Frame {
+    /// The instances that stand: wood, and leaves on their twigs.
+    #[must_use]
+    pub fn standing(&self) -> &[Instance] {
+        &self.instances[..self.instances.len().saturating_sub(self.fallen)]
+    }
 }

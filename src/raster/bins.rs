@@ -7,6 +7,11 @@ use crate::base::vector::Vec3;
 use crate::frame::{Frame, Instance};
 use rayon::prelude::*;
 
+/// How much larger the error of a coarser level may be where leaves lie on the ground: they are seen along it, a few pixels
+/// high, and thousands lie on one another.
+const LYING_ERROR: f32 = 2.5;
+/// Parts of lying leaves that are thinner than this are left out, pixels: stalks.
+const THINNEST: f32 = 0.2;
 /// Instances that one task bins; fixed, so that the order of items does not depend on the threads.
 const CHUNK: usize = 1024;
 
@@ -61,6 +66,7 @@ impl Bins {
         let [width, height] = size;
         let (columns, rows) = ((width as usize).div_ceil(SIDE), (height as usize).div_ceil(SIDE));
         let limits = [width as i32 - 1, height as i32 - 1];
+        let fallen = frame.standing().len()..frame.instances.len();
         let chunks: Vec<Vec<Item>> = instances
             .par_chunks(CHUNK)
             .enumerate()
@@ -68,7 +74,9 @@ impl Bins {
                 let mut items = Vec::new();
                 for (offset, instance) in instances.iter().enumerate() {
                     let number = (chunk * CHUNK + offset) as u32;
-                    push_items(frame, meshes, projection, lod_error, limits, (number, instance), &mut items);
+                    let is_fallen = fallen.contains(&(number as usize)) && lod_error > 0.0;
+                    let detail = if is_fallen { [lod_error * LYING_ERROR, THINNEST] } else { [lod_error, 0.0] };
+                    push_items(frame, meshes, projection, detail, limits, (number, instance), &mut items);
                 }
                 items
             })
@@ -99,15 +107,19 @@ fn push_items(
     frame: &Frame,
     meshes: &[ClusteredMesh],
     projection: &Projection,
-    lod_error: f32,
+    [lod_error, thinnest]: [f32; 2],
     limits: [i32; 2],
     (number, instance): (u32, &Instance),
     items: &mut Vec<Item>,
 ) {
     let scale = instance.transform.linear.column(0).norm();
-    let tolerance = projection.metres(instance.transform.translation) * lod_error / scale.max(1e-12);
+    let pixel = projection.metres(instance.transform.translation);
+    let tolerance = pixel * lod_error / scale.max(1e-12);
     for part in &frame.models[instance.model as usize].parts {
         let mesh = &meshes[part.mesh as usize];
+        if thinnest > 0.0 && mesh.width() * scale < pixel * thinnest {
+            continue;
+        }
         let level = mesh.level_within(tolerance);
         for (cluster_number, cluster) in mesh.levels[level].clusters.iter().enumerate() {
             let centre: Vec3 = instance.transform.point(cluster.centre);

@@ -64,7 +64,7 @@ impl Canopy {
     }
 
     fn around(frame: &Frame, meshes: &[ClusteredMesh]) -> Option<Self> {
-        let mut leaves = frame.instances.iter().filter(|i| i.leaf.is_some()).map(|i| i.transform.translation);
+        let mut leaves = frame.standing().iter().filter(|i| i.leaf.is_some()).map(|i| i.transform.translation);
         let first = leaves.next()?;
         let (low, high) = leaves.fold((first, first), |(low, high), p| (low.inf(&p), high.sup(&p)));
         // The volume reaches down to the ground, where the crown's shade falls.
@@ -84,7 +84,7 @@ impl Canopy {
     fn fill(&mut self, frame: &Frame, meshes: &[ClusteredMesh], textures: &[MipMap]) {
         let optics: Vec<([f32; 3], [f32; 3])> = frame.materials.iter().map(|m| mean_optics(m, textures)).collect();
         let volume = self.size * self.size * self.size;
-        for instance in frame.instances.iter().filter(|instance| instance.leaf.is_some()) {
+        for instance in frame.standing().iter().filter(|instance| instance.leaf.is_some()) {
             let scale = instance.transform.linear.column(0).norm();
             for part in &frame.models[instance.model as usize].parts {
                 let mesh = &meshes[part.mesh as usize];
@@ -246,7 +246,7 @@ impl Canopy {
 
 /// The longest side of the largest tree, metres, where several pieces of wood stand; `None` for a tree by itself.
 fn largest_of_several(frame: &Frame, meshes: &[ClusteredMesh]) -> Option<f32> {
-    let wood: Vec<u32> = frame.instances.iter().filter(|i| i.leaf.is_none()).map(|i| i.model).collect();
+    let wood: Vec<u32> = frame.standing().iter().filter(|i| i.leaf.is_none()).map(|i| i.model).collect();
     let mut models = wood.clone();
     models.sort_unstable();
     models.dedup();

@@ -72,6 +72,11 @@ impl ClusteredMesh {
         Self { levels, area, uv_per_metre }
     }
 
+    /// About the width of a long thin mesh of one cluster, metres: its area over its length, seen from one of three sides.
+    pub(super) fn width(&self) -> f32 {
+        self.full().iter().map(|cluster| self.area / (6.0 * cluster.radius.max(1e-9))).fold(f32::INFINITY, f32::min)
+    }
+
     /// The clusters of the full mesh.
     pub(super) fn full(&self) -> &[Cluster] {
         &self.levels[0].clusters

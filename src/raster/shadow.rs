@@ -127,9 +127,9 @@ fn tile(
     nearest
 }
 
-/// A sphere about everything that stands in the frame.
+/// A sphere about everything that stands in the frame; what has fallen far away gives no shadow and takes no detail.
 fn bounding_sphere(frame: &Frame, meshes: &[ClusteredMesh]) -> Option<(Vec3, f32)> {
-    let mut spheres = frame.instances.iter().flat_map(|instance| {
+    let mut spheres = frame.standing().iter().flat_map(|instance| {
         let scale = instance.transform.linear.column(0).norm();
         frame.models[instance.model as usize].parts.iter().flat_map(move |part| {
             let clusters = meshes[part.mesh as usize].full();

@@ -6,13 +6,14 @@ use super::preparation::Prepared;
 use super::progress::{self, Event, Progress};
 use super::signals::Signals;
 use super::stopwatch::{self, timed};
-use super::{Options, Outcome, fault, files, states_file, wardrobe};
+use super::{Options, Outcome, fault, files, leaf_falls, states_file, wardrobe};
 use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault};
 use crate::base::figures::Figures;
 use crate::base::picture::Picture;
 use crate::compose::contact_sheet::Sheet;
-use crate::compose::{Garment, Stock, picture_inset};
+use crate::compose::{Falls, Garment, Stock, picture_inset};
 use crate::export;
+use crate::fall::Counts;
 use crate::frame::Frame;
 use crate::plan::{self, PlannedFrame};
 use crate::raster;
@@ -26,6 +27,8 @@ use std::time::Instant;
 type FrameFiles = Vec<(String, Vec<u8>)>;
 /// The states of the leaves of every cell; none without seasons.
 type CellStates = Vec<Option<LeafStates>>;
+/// The fallen leaves of every cell; none where they are not asked for.
+type CellFalls = Vec<Option<Falls>>;
 
 /// A run under way.
 pub struct Run<'a> {
@@ -134,13 +137,14 @@ impl<'a> Run<'a> {
         let start = Instant::now();
         let index = planned.index;
         let states = self.states(index);
+        let falls = self.falls(index, &states);
         let earlier = planned.same_as.and_then(|earlier| drawn.get(&earlier));
         let files: FrameFiles = match earlier {
             Some(files) => {
                 let names = self.names.all(index);
                 names.into_iter().zip(files).map(|(name, (_, bytes))| (name, bytes.clone())).collect()
             }
-            None => self.made(index, stocks, &states)?,
+            None => self.made(index, stocks, &states, &falls)?,
         };
         for (name, bytes) in &files {
             files::write(&self.options.out.join(name), bytes).map_err(|error| fault::written(&error))?;
@@ -148,17 +152,23 @@ impl<'a> Run<'a> {
         let listed: Vec<(String, &[u8])> = files.iter().map(|(name, bytes)| (name.clone(), bytes.as_slice())).collect();
         let manifest = Manifest::new(&self.names.scene, self.names.frames, key(index), &listed);
         manifest.write(&self.options.out).map_err(|error| fault::written(&error))?;
-        self.note(index, &states, start.elapsed().as_secs_f64());
+        self.note(index, &states, &falls, start.elapsed().as_secs_f64());
         Ok(files)
     }
 
     /// The files of a frame; none when nothing is drawn.
-    fn made(&mut self, index: i64, stocks: &[Option<Stock>], states: &CellStates) -> Result<FrameFiles, Diagnostics> {
+    fn made(
+        &mut self,
+        index: i64,
+        stocks: &[Option<Stock>],
+        states: &CellStates,
+        falls: &CellFalls,
+    ) -> Result<FrameFiles, Diagnostics> {
         let mut pictures = Vec::new();
         let mut files = Vec::new();
-        for (number, (stock, states)) in stocks.iter().zip(states).enumerate() {
+        for (number, (stock, (states, falls))) in stocks.iter().zip(states.iter().zip(falls)).enumerate() {
             let Some(stock) = stock else { continue };
-            let Prepared { scene, stand, .. } = &self.cells[number];
+            let Prepared { scene, stand, plan, .. } = &self.cells[number];
             let layout = scene.output.gltf;
             let worn = states.as_ref().map_or_else(Vec::new, |states| plan::garments(scene, stand, states));
             let frame = timed(&mut self.report, "compose", || {
@@ -168,6 +178,13 @@ impl<'a> Run<'a> {
                 let instances = frame.instances.len() as u64;
                 Ok::<_, Diagnostics>((frame, Figures::of(instances)))
             })?;
+            let frame = match falls {
+                Some(falls) if plan.has("fall") => {
+                    let strewn = || Ok::<_, Diagnostics>(stock.strewn(scene, stand, falls, frame));
+                    timed(&mut self.report, "fall", strewn)?
+                }
+                _ => frame,
+            };
             if scene.output.png {
                 pictures.push((self.scene.seeds.get(number).copied(), self.rasterised(&frame, &worn, stock)?));
             }
@@ -216,14 +233,27 @@ impl<'a> Run<'a> {
         self.cells.iter_mut().map(|cell| cell.assigned(index, &mut self.report)).collect()
     }
 
+    fn falls(&mut self, index: i64, states: &CellStates) -> CellFalls {
+        let start = Instant::now();
+        let of_cell = |(cell, states): (&Prepared, &Option<LeafStates>)| {
+            leaf_falls::falls(&cell.scene, &cell.stand, states.as_ref()?, index)
+        };
+        let falls: CellFalls = self.cells.iter().zip(states).map(of_cell).collect();
+        if falls.iter().flatten().any(|falls| !falls.seen.is_empty()) {
+            self.report.spend("fall", start.elapsed().as_secs_f64());
+        }
+        falls
+    }
+
     /// Reports a frame that was there already.
     pub fn count_kept(&mut self, index: i64) {
         let states = self.states(index);
-        self.note(index, &states, 0.0);
+        let falls = self.falls(index, &states);
+        self.note(index, &states, &falls, 0.0);
     }
 
     /// Adds a frame to the report and to the file of states. The counts are of all trees, and of all cells.
-    fn note(&mut self, index: i64, states: &CellStates, seconds: f64) {
+    fn note(&mut self, index: i64, states: &CellStates, falls: &CellFalls, seconds: f64) {
         // A moment's day is known to the cells.
         let shown = self.cells.first().map_or(self.scene, |cell| &cell.scene);
         let day = shown.time.at(index);
@@ -235,6 +265,7 @@ impl<'a> Run<'a> {
             states: BTreeMap::new(),
             expected: BTreeMap::new(),
             fallen: 0,
+            fall: falls.iter().flatten().map(|falls| falls.counts).reduce(Counts::plus),
             png: self.names.png(index),
             gltf: self.names.gltf(index),
             seconds,

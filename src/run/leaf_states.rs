@@ -96,10 +96,12 @@ impl Seasons {
         let law = self.laws.get(&index).cloned().unwrap_or_default();
         let leaves = self.leaves;
         let (mut states, mut before, mut since) = (vec![NO_STATE; leaves], vec![NO_STATE; leaves], vec![0.0; leaves]);
-        let mut from_law = 0;
+        let (mut from_law, mut shed) = (0, Vec::new());
         for part in &mut self.parts {
             let sample = part.population.at(day);
             from_law += sample.from_law;
+            let common = |state: u16| part.common[usize::from(state)];
+            shed.extend(sample.shed.iter().map(|&(leaf, day, state)| (part.places[leaf], day, common(state))));
             for (leaf, &place) in part.places.iter().enumerate() {
                 states[place] = part.common[usize::from(sample.states[leaf])];
                 before[place] = part.common[usize::from(sample.before[leaf])];
@@ -108,7 +110,7 @@ impl Seasons {
         }
         let mut figures = season::figures(&self.names, &states, &law).with("drawn_from_law", from_law);
         self.note(day, &mut figures);
-        (LeafStates { names: self.names.clone(), states, before, since, expected: law.expected }, figures)
+        (LeafStates { names: self.names.clone(), states, before, since, expected: law.expected, shed }, figures)
     }
 
     /// What the person should know of weather and rules.
@@ -164,6 +166,9 @@ impl Part {
                 places.extend(first..first + form.sites.len());
             }
             first += form.sites.len();
+        }
+        if scene.leaves_fall() {
+            population.remember();
         }
         let place = |name: &String| names.binary_search(name).map_or(NO_STATE, |place| place as u16);
         let common = population.names().iter().map(place).collect();

@@ -8,6 +8,7 @@ pub mod files;
 pub mod frame_list;
 mod growth;
 pub mod leaf;
+mod leaf_falls;
 mod leaf_states;
 pub mod manifest;
 pub mod memory;

@@ -5,7 +5,7 @@ use super::preparation::{KEPT_BYTES, Prepared, STATE_BYTES};
 use super::{fault, memory};
 use crate::base::diagnostic::Diagnostics;
 use crate::base::limits::{Limit, Limits};
-use crate::compose::{Form, Stand};
+use crate::compose::{Form, Garment, Stand};
 use crate::scene::output::Gltf;
 use crate::scene::{Scene, Species};
 use std::collections::BTreeSet;
@@ -16,6 +16,10 @@ pub type Parts = Vec<(&'static str, f64)>;
 /// Most cells of the light volume of a stand, and the memory of one, bytes.
 const CANOPY_CELLS: f64 = 300_000.0;
 const CANOPY_BYTES: f64 = 200.0;
+/// Memory of a fallen leaf, bytes, of the field of heights about a leaf by itself, and of a square metre of that field.
+const FALL_BYTES: f64 = 700.0;
+const LONE_BYTES: f64 = 4000.0;
+const AREA_BYTES: f64 = 7e4;
 /// Memory of a line of the file of states, bytes.
 const LINE_BYTES: f64 = 64.0;
 /// Memory of a leaf's node while a glTF file is made, bytes (measured: 750), and of an instance's numbers (measured: 60).
@@ -87,16 +91,28 @@ pub fn stand(stand: &Stand) -> f64 {
 fn kept(cell: &Prepared) -> Parts {
     let Prepared { scene, stand, plan, .. } = cell;
     let mut parts = vec![("tree", self::stand(stand))];
+    if plan.has("fall") {
+        parts.push(("fall", litter(scene, stand)));
+    }
     let states = plan.frames.len() as f64 * (stand.leaf_ids.len() * STATE_BYTES) as f64;
     parts.push(("time", states.min(KEPT_BYTES as f64)));
     for (number, species) in scene.species.iter().enumerate() {
-        let garments = plan.garments_of(number);
-        let made = |count: u32| crate::plan::items(&garments, count).len() as f64;
-        let made = [made(species.deform.shapes), made(species.colour.variants)];
-        let [shapes, textures] = worn(scene, species, made);
+        let made = |garments: Vec<Garment>, count: u32| crate::plan::items(&garments, count).len() as f64;
+        let shapes = made(plan.garments_of(number), species.deform.shapes);
+        let textures = made(plan.painted_of(number), species.colour.variants);
+        let [shapes, textures] = worn(scene, species, [shapes, textures]);
         parts.extend([("deform", shapes), ("colour", textures)]);
     }
     parts
+}
+
+/// What the litter takes when every leaf has fallen: a leaf with its way, and a field of heights where leaves lie, which
+/// grows with the leaves until they cover the ground that wind carries them to.
+fn litter(scene: &Scene, stand: &Stand) -> f64 {
+    let leaves = stand.leaf_ids.len() as f64;
+    let reach = |form: &Form| form.crown_radius + 3.0 * scene.fall.wind * form.height;
+    let area = stand.standing().map(|(form, _)| 4.0 * reach(form) * reach(form)).sum::<f64>();
+    leaves * FALL_BYTES + (leaves * LONE_BYTES).min(area * AREA_BYTES)
 }
 
 /// What so many shapes and textures of a species take.

@@ -2,6 +2,7 @@
 
 use super::fault;
 use super::growth;
+use super::leaf_falls;
 use super::leaf_states::{self, Seasons};
 use super::prediction;
 use super::stopwatch::timed;
@@ -141,10 +142,17 @@ impl Prepared {
         };
         let signature = garments.iter().fold(0, |sum, garment| hash(sum, mark(garment)));
         let worn: BTreeSet<Garment> = garments.into_iter().flatten().collect();
+        let start = Instant::now();
+        let falls = leaf_falls::falls(&self.scene, &self.stand, &states, index);
+        if falls.as_ref().is_some_and(|falls| !falls.seen.is_empty()) {
+            report.spend("fall", start.elapsed().as_secs_f64());
+        }
+        let falls = falls.unwrap_or_default();
+        let signature = plan::signature_of_falls(signature, &falls, day);
         if (self.kept.len() + 1) * states.states.len() * STATE_BYTES <= KEPT_BYTES {
             self.kept.insert(index, (states, figures));
         }
-        Counted { index, day, worn, signature }
+        Counted { index, day, worn, looks: falls.looks(), signature }
     }
 
     fn rolls(&self) -> Vec<Roll> {

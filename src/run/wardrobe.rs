@@ -30,17 +30,17 @@ type Item = (u16, u32);
 /// Pictures that cannot be read, outlines that cannot be meshed, steps that are not stable, limits.
 pub fn wardrobe(prepared: &Prepared, limits: &Limits, report: &mut Report) -> Result<Wardrobe, Diagnostics> {
     let Prepared { scene, states, plan, stand, .. } = prepared;
-    let mut wardrobe = Wardrobe { states: states.clone(), ..Wardrobe::default() };
+    let mut wardrobe = Wardrobe { states: states.clone(), fallen: plan.fallen.clone(), ..Wardrobe::default() };
     let mut leaf_area = Some(0.0);
     for (number, species) in scene.species.iter().enumerate() {
-        let garments = plan.garments_of(number);
+        let (garments, painted) = (plan.garments_of(number), plan.painted_of(number));
         let has_sites = stand.forms.iter().any(|form| form.species == number && !form.sites.is_empty());
         if garments.is_empty() {
             // Without a blade nothing is known of its area.
             leaf_area = leaf_area.filter(|_| !has_sites);
             continue;
         }
-        let mut tailor = Tailor { scene, species, states, garments: &garments, limits, report };
+        let mut tailor = Tailor { scene, species, states, garments: &garments, painted: &painted, limits, report };
         let blade = tailor.blade()?;
         let area_of = |(form, _): (&Form, &Standing)| {
             if form.species == number { blade_area(&form.sites, &blade.mesh) } else { 0.0 }
@@ -53,6 +53,10 @@ pub fn wardrobe(prepared: &Prepared, limits: &Limits, report: &mut Report) -> Re
         for garment in &garments {
             let item = |count: u32| (garment.state, garment.variant % count.max(1));
             wardrobe.shapes.insert(*garment, shapes[&item(species.deform.shapes)].clone());
+        }
+        wardrobe.bare.extend(garments.iter().filter(|garment| !painted.contains(garment)));
+        for garment in &painted {
+            let item = |count: u32| (garment.state, garment.variant % count.max(1));
             if let Some(painted) = textures.get(&item(species.colour.variants)).or(chart.as_ref()) {
                 wardrobe.textures.insert(*garment, painted.clone());
             }
@@ -98,6 +102,7 @@ struct Tailor<'a> {
     species: &'a Species,
     states: &'a [String],
     garments: &'a [Garment],
+    painted: &'a [Garment],
     limits: &'a Limits,
     report: &'a mut Report,
 }
@@ -145,7 +150,7 @@ impl Tailor<'_> {
 
     fn textures(&mut self, blade: &Blade, size: u32) -> Result<BTreeMap<Item, Arc<Painted>>, Diagnostics> {
         let (scene, species, states) = (self.scene, self.species, self.states);
-        let items = plan::items(self.garments, species.colour.variants);
+        let items = plan::items(self.painted, species.colour.variants);
         let job = |&(state, variant): &Item| colour::Job { state: states[usize::from(state)].clone(), variant };
         let jobs: Vec<colour::Job> = items.iter().map(job).collect();
         let scans = self.scans(&jobs)?;

@@ -2,7 +2,7 @@
 
 use super::{Scene, Species, camera, image, planting};
 use crate::base::settings::Complaint;
-use crate::{colour, deform, leaf, season, tree};
+use crate::{colour, deform, fall, leaf, season, tree};
 
 /// What is wrong with what all trees of a well-typed scene share: the table's name and the complaint.
 #[must_use]
@@ -13,6 +13,7 @@ pub fn of_scene(scene: &Scene) -> Vec<(String, Complaint)> {
     };
     take("camera", camera::check(&scene.camera));
     take("image", image::check(&scene.image));
+    take("fall", fall::check(&scene.fall));
     for (entry, planted) in scene.trees.iter().enumerate() {
         take(&format!("trees.{entry}"), planting::check(&planted.planting));
     }
@@ -39,6 +40,7 @@ pub fn of_species(species: &Species, weather: &season::Weather) -> Vec<(&'static
         ("leaf", leaf::check(&species.leaf)),
         ("deform", deform::check(&species.deform)),
         ("colour", colour::check(&species.colour)),
+        ("fall", fall::check_decay(&species.fall)),
         ("season", if has_season { season::check(&species.season, weather) } else { Vec::new() }),
     ];
     tables.into_iter().flat_map(|(table, list)| list.into_iter().map(move |complaint| (table, complaint))).collect()

@@ -40,7 +40,7 @@ pub use reader::read;
 pub use starter::starter;
 
 use crate::base::diagnostic::Place;
-use crate::{colour, deform, leaf, season, tree};
+use crate::{colour, deform, fall, leaf, season, tree};
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -75,6 +75,8 @@ pub struct Scene {
     pub image: image::Image,
     /// What the trees stand on.
     pub ground: ground::Ground,
+    /// How leaves fall.
+    pub fall: fall::Settings,
     /// Which files are written.
     pub output: output::Output,
     /// The texts that were read, in order: scene, species files.
@@ -100,6 +102,8 @@ pub struct Species {
     pub deform: deform::Settings,
     /// How leaves are coloured.
     pub colour: colour::Settings,
+    /// How its litter goes.
+    pub fall: fall::Decay,
     /// The files that its tables name, by their key; only their content's hash is part of the resolved scene.
     #[serde(serialize_with = "asset::hashes")]
     pub assets: BTreeMap<String, Asset>,
@@ -123,6 +127,13 @@ impl Scene {
     #[must_use]
     pub fn resolved(&self) -> Value {
         serde_json::to_value(self).unwrap_or_default()
+    }
+
+    /// Whether leaves that have fallen are seen: as the scene says, else where there is a ground to lie on.
+    #[must_use]
+    pub fn leaves_fall(&self) -> bool {
+        let seen = self.camera.subject == camera::Subject::Trees;
+        seen && self.fall.on.unwrap_or(self.ground.kind == ground::Cover::Grass)
     }
 
     /// The place of a key or of its nearest table that stands in the scene or an assignment.

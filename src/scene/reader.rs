@@ -145,11 +145,16 @@ impl Reader<'_> {
         let above = self.with_leaf_file(above, None);
         let roster = roster::Roster::new(self, source, &above, &entries);
         let own = self.places.clone();
+        let mut below = above.clone();
+        if let Value::Object(below) = &mut below {
+            // the scene's own table of this name is no species' table: it stands beside that, not over it
+            below.remove("fall");
+        }
         let mut species = Vec::new();
         let mut wholes = Vec::new();
         for (number, named) in roster.species.iter().enumerate() {
             let mut whole = self.species_table(number, named);
-            layers::lay(&mut whole.table, above.clone());
+            layers::lay(&mut whole.table, below.clone());
             species.push(self.species(source, number, named, &whole));
             wholes.push(whole);
         }
@@ -229,6 +234,7 @@ impl Reader<'_> {
             light: self.settings(source, above, "light")?,
             image: self.settings(source, above, "image")?,
             ground: self.settings(source, above, "ground")?,
+            fall: self.settings(source, above, "fall")?,
             output: self.settings(source, above, "output")?,
             files: Vec::new(),
             places: Places::default(),

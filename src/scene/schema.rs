@@ -2,7 +2,7 @@
 
 use super::{camera::Camera, ground::Ground, image::Image, light::Light, output::Output, planting, sheet, time};
 use crate::base::settings::{Described, Key, Kind, Schema};
-use crate::{colour, deform, leaf, season, tree};
+use crate::{colour, deform, fall, leaf, season, tree};
 use serde_json::Value;
 
 /// The keys of a scene file.
@@ -59,6 +59,7 @@ fn cell() -> Schema {
         table::<Light>("light"),
         table::<Image>("image"),
         table::<Ground>("ground"),
+        table::<fall::Settings>("fall"),
         table::<Output>("output"),
     ]);
     Schema { doc: "A scene of leafseason: a tree in a season.".to_owned(), keys }
@@ -69,6 +70,7 @@ fn cell() -> Schema {
 pub fn species() -> Schema {
     let mut keys = vec![text("name", "The species' name."), text("description", "The species in one line.")];
     keys.extend(stages());
+    keys.push(table::<fall::Decay>("fall"));
     Schema { doc: "A species of leafseason.".to_owned(), keys }
 }
 

@@ -6,12 +6,13 @@ use serde_json::Value;
 use std::fmt::Write;
 
 /// The keys shown of each table, in order; a `#` writes the key as a comment, with an example.
-const KEYS: [(&str, &[(&str, &str)]); 9] = [
+const KEYS: [(&str, &[(&str, &str)]); 10] = [
     ("climate", &[("temperature", ""), ("humidity", "")]),
     ("time", &[("day", "40.0"), ("from", "#0.0"), ("to", "#120.0"), ("step", "#1.0")]),
     ("season", &[("mode", "")]),
     ("tree", &[("age", "#30")]),
     ("leaf", &[("picture", "#\"leaf.png\""), ("vertices", "")]),
+    ("fall", &[("wind", ""), ("direction", ""), ("slow_motion", "")]),
     ("camera", &[("field_of_view", "")]),
     ("light", &[("sun_elevation", ""), ("sun_azimuth", ""), ("exposure", "")]),
     ("image", &[("width", ""), ("height", ""), ("samples", "")]),

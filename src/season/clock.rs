@@ -31,6 +31,8 @@ pub(super) struct Stay {
     pub until: f64,
     /// The day on which the bud of the next leaf opens at this site; infinite without one.
     pub closes: f64,
+    /// When the leaf before it left this site, and in which state; none without one, or where it is not asked for.
+    pub shed: Option<(f64, u16)>,
     /// Number of the spring whose leaf it is, from 1; 0 for the leaf of the beginning.
     spring: u32,
     /// Jumps that the leaf has made.
@@ -47,6 +49,8 @@ pub(super) struct Clock<'a> {
     pub leaf: u64,
     pub class: Class,
     pub speed: f64,
+    /// Whether it is asked when the leaf of the year before left.
+    pub sheds: bool,
 }
 
 impl Clock<'_> {
@@ -68,7 +72,7 @@ impl Clock<'_> {
         for number in (1..=begun).rev() {
             let opened = self.opening(number);
             if opened <= day {
-                return self.flushed(number, opened);
+                return self.flushed(number, opened, self.left(number));
             }
         }
         self.settled(Stay { closes: self.opening(1), ..self.begun() })
@@ -85,8 +89,33 @@ impl Clock<'_> {
         }
     }
 
+    /// When the leaf left that hung at the site before a spring, and in which state.
+    fn left(&self, spring: usize) -> Option<(f64, u16)> {
+        if !self.sheds {
+            return None;
+        }
+        let mut stay = match spring - 1 {
+            0 => self.settled(Stay { closes: self.opening(1), ..self.begun() }),
+            before => self.flushed(before, self.opening(before), None),
+        };
+        while stay.until < stay.closes && stay.jumps < MOST_JUMPS {
+            stay = self.next(stay);
+        }
+        self.pushed_off(&stay)
+    }
+
+    /// When the leaf of a stay leaves if none has fallen before its site's next bud opens, and in which state.
+    fn pushed_off(&self, stay: &Stay) -> Option<(f64, u16)> {
+        match stay.state {
+            state if self.course.fallen == Some(state) => Some((stay.since, stay.before)),
+            state if self.course.bud == Some(state) => None,
+            state => Some((stay.closes, state)),
+        }
+        .filter(|_| self.sheds)
+    }
+
     /// The leaf of a spring, out of its bud.
-    fn flushed(&self, number: usize, day: f64) -> Stay {
+    fn flushed(&self, number: usize, day: f64, shed: Option<(f64, u16)>) -> Stay {
         let bud = self.course.bud.unwrap_or(self.course.start);
         let stay = Stay {
             state: bud,
@@ -94,6 +123,7 @@ impl Clock<'_> {
             since: day,
             until: f64::INFINITY,
             closes: self.opening(number + 1),
+            shed,
             spring: number as u32,
             jumps: 0,
             is_from_law: false,
@@ -119,7 +149,7 @@ impl Clock<'_> {
     /// The stay after one that ends.
     fn next(&self, stay: Stay) -> Stay {
         if stay.until >= stay.closes {
-            return self.flushed(stay.spring as usize + 1, stay.closes);
+            return self.flushed(stay.spring as usize + 1, stay.closes, self.pushed_off(&stay));
         }
         let state = self.target(&stay, stay.until, u64::from(stay.jumps));
         self.settled(Stay { state, before: stay.state, since: stay.until, jumps: stay.jumps + 1, ..stay })
@@ -175,6 +205,7 @@ impl Clock<'_> {
             since: since.max(self.course.first),
             until: day,
             closes: f64::INFINITY,
+            shed: None,
             spring: 0,
             jumps: 0,
             is_from_law: true,
@@ -196,7 +227,8 @@ impl Clock<'_> {
         for number in 0..followed {
             let (from, to) = (course.first + number as f64 * step, course.first + (number + 1) as f64 * step);
             if stay.closes <= to {
-                stay = Stay { since: to, ..self.flushed(stay.spring as usize + 1, stay.closes) };
+                stay =
+                    Stay { since: to, ..self.flushed(stay.spring as usize + 1, stay.closes, self.pushed_off(&stay)) };
                 continue;
             }
             let state = usize::from(stay.state);
@@ -228,7 +260,17 @@ impl Clock<'_> {
         let start = self.course.start;
         let closes = f64::INFINITY;
         let since = self.course.first;
-        Stay { state: start, before: start, since, until: closes, closes, spring: 0, jumps: 0, is_from_law: false }
+        Stay {
+            state: start,
+            before: start,
+            since,
+            until: closes,
+            closes,
+            shed: None,
+            spring: 0,
+            jumps: 0,
+            is_from_law: false,
+        }
     }
 }
 

@@ -4,10 +4,10 @@
 //! A piece is a day, over which rates are constant; in a constant climate one piece lasts for ever. Rates here are those of a leaf
 //! of mean speed.
 
-use super::BUD;
 use super::chain::{Chain, Place};
 use super::settings::{Gate, Mode, Settings};
 use super::weather::{Day, Weather};
+use super::{BUD, FALLEN};
 use serde::Serialize;
 
 /// Days of the growing year: the equinox from which spring warmth is summed, and the longest day, on which the last bud opens.
@@ -42,6 +42,8 @@ pub(super) struct Course {
     pub year: i64,
     /// The state `bud`, whose targets open in spring; none where there are no buds or no years.
     pub bud: Option<u16>,
+    /// The state `fallen`.
+    pub fallen: Option<u16>,
     pub springs: Vec<Spring>,
     /// The day on which the first piece begins.
     pub first: f64,
@@ -90,6 +92,7 @@ impl Course {
         Self {
             start: bud.filter(|_| is_bare).unwrap_or(chain.start),
             year: first_day.map_or(0, |(year, _)| year),
+            fallen: chain.number(FALLEN),
             springs: bud.map_or_else(Vec::new, |_| springs(weather)),
             first: weather.first() as f64,
             clamped: places.iter().filter(|place| place.is_clamped).count(),

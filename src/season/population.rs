@@ -39,6 +39,8 @@ pub struct Population {
     timings: BTreeMap<i8, u16>,
     odds: Odds,
     leaves: Vec<Leaf>,
+    /// Whether samples tell of the leaves of the year before.
+    sheds: bool,
     /// The last stay of each leaf, carried on to the next day that is asked for; empty when none is kept.
     stays: Vec<Option<Stay>>,
 }
@@ -51,7 +53,17 @@ impl Population {
         let odds = Odds::new(settings, &course.chain.names);
         let (settings, weather) = (settings.clone(), weather.clone());
         let timings = BTreeMap::from([(0, 0)]);
-        Self { settings, weather, seed, courses: vec![course], timings, odds, leaves: Vec::new(), stays: Vec::new() }
+        Self {
+            settings,
+            weather,
+            seed,
+            courses: vec![course],
+            timings,
+            odds,
+            leaves: Vec::new(),
+            sheds: false,
+            stays: Vec::new(),
+        }
     }
 
     /// Adds the leaves of a tree, each with its id and position. `timing` is the key of a tree among others, which has a timing of
@@ -109,6 +121,11 @@ impl Population {
     /// Keeps each leaf's last stay from now on, about 50 bytes, so that the next day is found without its past.
     pub fn keep(&mut self) {
         self.stays = vec![None; self.leaves.len()];
+    }
+
+    /// Lets samples tell when and in which state the leaf of the year before left each site.
+    pub fn remember(&mut self) {
+        self.sheds = true;
     }
 
     /// How many leaves there are.
@@ -177,7 +194,7 @@ impl Population {
     fn clock(&self, leaf: &Leaf) -> Clock<'_> {
         let course = &self.courses[usize::from(leaf.course)];
         let Leaf { id, class, .. } = *leaf;
-        Clock { course, odds: &self.odds, seed: self.seed, leaf: id, class, speed: class.speed() }
+        Clock { course, odds: &self.odds, seed: self.seed, leaf: id, class, speed: class.speed(), sheds: self.sheds }
     }
 
     /// The exact shares of the states over all leaves, without sampling, on days that ascend: the mean of the leaves' own laws in

@@ -17,6 +17,8 @@ pub struct Sample {
     pub before: Vec<u16>,
     /// Day on which each leaf entered its state.
     pub since: Vec<f64>,
+    /// The leaves of the year before, where they are asked for: number of the leaf's site, when it left, and in which state.
+    pub shed: Vec<(usize, f64, u16)>,
     /// Leaves whose state was drawn from the law of what was not followed jump by jump.
     pub from_law: u64,
 }
@@ -27,6 +29,11 @@ impl Sample {
             states: stays.iter().map(|stay| stay.state).collect(),
             before: stays.iter().map(|stay| stay.before).collect(),
             since: stays.iter().map(|stay| stay.since).collect(),
+            shed: stays
+                .iter()
+                .enumerate()
+                .filter_map(|(leaf, stay)| stay.shed.map(|(day, state)| (leaf, day, state)))
+                .collect(),
             from_law: stays.iter().filter(|stay| stay.is_from_law).count() as u64,
         }
     }
@@ -45,6 +52,9 @@ pub struct LeafStates {
     pub since: Vec<f64>,
     /// Exact share of each state on that day.
     pub expected: Vec<f64>,
+    /// The leaves of the year before that have left their sites to new ones: site, day, and state in which each left. Only where
+    /// leaves that fall are asked for.
+    pub shed: Vec<(usize, f64, u16)>,
 }
 
 /// Half the sum of the differences: the largest difference in the chance of any set of states.

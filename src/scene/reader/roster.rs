@@ -192,6 +192,7 @@ impl Reader<'_> {
                 leaf: self.settings(source, table, "leaf")?,
                 deform: self.settings(source, table, "deform")?,
                 colour: self.settings(source, table, "colour")?,
+                fall: self.settings(source, table, "fall")?,
                 assets: self.assets(source, number, table),
                 places: whole.places.clone(),
             })

@@ -1,0 +1,289 @@
+//! How a bent leaf lies on level ground, by either side: on the three lowest points about its middle.
+//!
+//! The plane that carries a body is the facet of the lower convex hull below its centre of mass. Of all planes below the shape
+//! it is the one that is highest at the centre: the maximum of the concave function min_i (h_i - a p_i - b q_i) of the slopes
+//! a and b, found by nested golden sections. A curled leaf thus stands on its rims and a flat one lies.
+
+use super::columns::CELL;
+use super::litter::FITTED;
+use crate::base::mesh::Mesh;
+use crate::base::vector::{DVec2, DVec3, Vec3};
+use nalgebra::{Rotation3, UnitQuaternion};
+
+/// Distance of the samples of a shape, metres: below a cell's side for leaves up to 1.5 times the mean size.
+const SAMPLE: f64 = CELL * 0.6;
+/// Most samples along one side of a shape; larger leaves are sampled farther apart.
+const MOST: f64 = 48.0;
+/// Steepest slope at which a shape may stand on its rims.
+const STEEPEST: f64 = 0.7;
+/// Points of a petiole that may touch the ground.
+const STALK: usize = 4;
+/// Inverse of the golden ratio.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// The side of a leaf that faces the sky.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Its upper side.
+    Upper,
+    /// Its lower side.
+    Lower,
+}
+
+/// Where a straight petiole ends that begins at the origin of its blade, metres.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stalk {
+    /// On the twig and in the air.
+    pub hung: Vec3,
+    /// On the ground.
+    pub lying: Vec3,
+}
+
+/// A vertical line through a lying shape of scale 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sample {
+    /// Where, from the leaf's middle, along x and z before it is turned, metres.
+    pub place: [f32; 2],
+    /// Lowest point above the ground, metres.
+    pub low: f32,
+    /// Highest point above the ground, metres.
+    pub high: f32,
+}
+
+/// A shape as it lies on one side.
+#[derive(Clone, Debug)]
+pub(super) struct Rest {
+    /// From the model's axes to those of the ground.
+    pub level: UnitQuaternion<f64>,
+    /// The point of the turned model that lies on the ground below its middle, metres.
+    pub foot: DVec3,
+    /// Lines through it.
+    pub samples: Vec<Sample>,
+    /// Inverse of the second moments of the samples that are fitted, by which slopes are found: xx, xz, zz.
+    pub moments: [f64; 3],
+    /// Within so many metres of the middle lies all of it, however it leans.
+    pub reach: f64,
+}
+
+/// A shape that can fly and lie.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    /// Its middle in the model's coordinates, metres.
+    pub middle: DVec3,
+    /// The corners of its convex hull and more, with what hangs from it, in the model's coordinates.
+    outline: Vec<DVec3>,
+    rests: [Rest; 2],
+}
+
+impl Shape {
+    /// A shape of a mesh in the axes of blades: base to tip along y, the upper side towards +z. A mesh without vertices is a
+    /// point.
+    #[must_use]
+    pub fn new(mesh: &Mesh, stalk: Stalk) -> Self {
+        let sum = mesh.positions.iter().fold(DVec3::zeros(), |sum, p| sum + p.cast::<f64>());
+        let middle = sum / mesh.positions.len().max(1) as f64;
+        let outline = mesh.positions.iter().chain([&stalk.hung]).map(|p| p.cast::<f64>()).collect();
+        let rests = [Side::Upper, Side::Lower].map(|side| rest(mesh, stalk.lying, middle, side));
+        Self { middle, outline, rests }
+    }
+
+    pub(super) fn rest(&self, side: Side) -> &Rest {
+        &self.rests[side as usize]
+    }
+
+    /// Attitude on level ground, turned by `yaw` radians.
+    #[must_use]
+    pub fn level(&self, side: Side, yaw: f64) -> UnitQuaternion<f64> {
+        UnitQuaternion::from_axis_angle(&DVec3::y_axis(), yaw) * self.rest(side).level
+    }
+
+    /// Height of the middle over level ground, metres.
+    #[must_use]
+    pub fn stands(&self, side: Side) -> f64 {
+        let rest = self.rest(side);
+        (rest.level * self.middle).y - rest.foot.y
+    }
+
+    /// The lowest point in an attitude, relative to the middle, metres.
+    #[must_use]
+    pub fn lowest(&self, attitude: &UnitQuaternion<f64>) -> f64 {
+        let down = attitude.inverse() * DVec3::y();
+        let height = |point: &DVec3| (point - self.middle).dot(&down);
+        self.outline.iter().map(height).fold(0.0, f64::min)
+    }
+}
+
+/// From the model's axes to the ground's: x stays, the given side turns to +y.
+fn laid(point: DVec3, side: Side) -> DVec3 {
+    match side {
+        Side::Upper => DVec3::new(point.x, point.z, -point.y),
+        Side::Lower => DVec3::new(point.x, -point.z, point.y),
+    }
+}
+
+fn rest(mesh: &Mesh, stalk: Vec3, middle: DVec3, side: Side) -> Rest {
+    let axes = [DVec3::x(), DVec3::y(), DVec3::z()].map(|axis| laid(axis, side));
+    let base =
+        UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(nalgebra::Matrix3::from_columns(&axes)));
+    let along = (1..=STALK).map(|part| stalk * (part as f32 / STALK as f32));
+    let places = mesh.positions.iter().copied().chain(along);
+    let points: Vec<DVec3> = places.map(|p| base * (p.cast::<f64>() - middle)).collect();
+    let [a, b] = carrying(&points);
+    let normal = DVec3::new(-a, 1.0, -b);
+    let upright = UnitQuaternion::rotation_between(&normal, &DVec3::y()).unwrap_or_else(UnitQuaternion::identity);
+    let level = upright * base;
+    let turned: Vec<DVec3> = points.iter().map(|p| upright * p).collect();
+    let lowest = turned.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
+    let lowest = if lowest.is_finite() { lowest } else { 0.0 };
+    let samples = sampled(&turned, &mesh.triangles, lowest);
+    let foot = level * middle + DVec3::new(0.0, lowest, 0.0);
+    let moments = inverse_moments(&samples);
+    let reach = turned.iter().map(|p| p.norm() + p.y - lowest).fold(0.0, f64::max) + CELL;
+    Rest { level, foot, samples, moments, reach }
+}
+
+/// Slopes along x and z of the plane that carries the points.
+fn carrying(points: &[DVec3]) -> [f64; 2] {
+    let height = |a: f64, b: f64| points.iter().map(|p| p.y - a * p.x - b * p.z).fold(f64::INFINITY, f64::min);
+    let inner = |a: f64| maximum(|b| height(a, b));
+    let a = maximum(|a| inner(a).1).0;
+    [a, inner(a).0]
+}
+
+/// Place and value of the maximum of a concave function of a slope.
+fn maximum(value: impl Fn(f64) -> f64) -> (f64, f64) {
+    let (mut low, mut high) = (-STEEPEST, STEEPEST);
+    let (mut left, mut right) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
+    let (mut at_left, mut at_right) = (value(left), value(right));
+    for _ in 0..18 {
+        if at_left < at_right {
+            (low, left, at_left) = (left, right, at_right);
+            right = low + GOLDEN * (high - low);
+            at_right = value(right);
+        } else {
+            (high, right, at_right) = (right, left, at_left);
+            left = high - GOLDEN * (high - low);
+            at_left = value(left);
+        }
+    }
+    let middle = 0.5 * (low + high);
+    (middle, value(middle))
+}
+
+/// Vertical lines on a grid, each with the lowest and highest point of the triangles that it meets.
+fn sampled(points: &[DVec3], triangles: &[[u32; 3]], lowest: f64) -> Vec<Sample> {
+    let flat = |p: &DVec3| DVec2::new(p.x, p.z);
+    let Some(first) = points.first().map(flat) else { return Vec::new() };
+    let (low, high) = points.iter().map(flat).fold((first, first), |(low, high), p| (low.inf(&p), high.sup(&p)));
+    let step = SAMPLE.max((high - low).max() / MOST);
+    let [columns, rows] = [(high.x - low.x) / step, (high.y - low.y) / step].map(|count| count as usize + 1);
+    let mut bounds = vec![(f64::INFINITY, f64::NEG_INFINITY); columns * rows];
+    // A grid about the middle of the box, so that thin blades have a line along their midrib.
+    let origin = (low + high) * 0.5 - DVec2::new((columns - 1) as f64, (rows - 1) as f64) * (0.5 * step);
+    for triangle in triangles {
+        let corners = triangle.map(|v| points[v as usize]);
+        let place = |p: DVec3| (flat(&p) - origin) / step;
+        let [a, b, c] = corners.map(place);
+        let area = (b - a).perp(&(c - a));
+        if area.abs() < 1e-12 {
+            continue;
+        }
+        let (from, to) = (a.inf(&b).inf(&c), a.sup(&b).sup(&c));
+        let range = |from: f64, to: f64, count: usize| {
+            (from.ceil().max(0.0) as usize)..((to.floor() + 1.0).clamp(0.0, count as f64) as usize)
+        };
+        for row in range(from.y, to.y, rows) {
+            for column in range(from.x, to.x, columns) {
+                let at = DVec2::new(column as f64, row as f64);
+                let u = (c - b).perp(&(at - b)) / area;
+                let v = (a - c).perp(&(at - c)) / area;
+                if u >= 0.0 && v >= 0.0 && u + v <= 1.0 {
+                    let height = u * corners[0].y + v * corners[1].y + (1.0 - u - v) * corners[2].y - lowest;
+                    let bound = &mut bounds[row * columns + column];
+                    *bound = (bound.0.min(height), bound.1.max(height));
+                }
+            }
+        }
+    }
+    let sample = |place: DVec2, [low, high]: [f64; 2]| {
+        let place = [place.x as f32, place.y as f32];
+        Sample { place, low: low as f32, high: high as f32 }
+    };
+    let line = |(number, &(low, high)): (usize, &(f64, f64))| {
+        let place = origin + DVec2::new((number % columns) as f64, (number / columns) as f64) * step;
+        (low <= high).then(|| sample(place, [low, high]))
+    };
+    let mut samples: Vec<Sample> = bounds.iter().enumerate().filter_map(line).collect();
+    // the lowest points themselves, between the lines, and the stalk
+    let blade = points.len() - STALK;
+    let is_low = |(number, p): &(usize, &DVec3)| *number >= blade || p.y - lowest < 1e-3;
+    samples.extend(points.iter().enumerate().filter(is_low).map(|(_, p)| sample(flat(p), [p.y - lowest; 2])));
+    samples
+}
+
+fn inverse_moments(samples: &[Sample]) -> [f64; 3] {
+    let places = || samples.iter().step_by(FITTED).map(|sample| sample.place.map(f64::from));
+    let sum = |value: &dyn Fn([f64; 2]) -> f64| places().map(value).sum::<f64>();
+    let (xx, zz) = (sum(&|[x, _]| x * x), sum(&|[_, z]| z * z));
+    let xz = sum(&|[x, z]| x * z);
+    let determinant = xx * zz - xz * xz;
+    if determinant > 1e-18 { [zz / determinant, -xz / determinant, xx / determinant] } else { [0.0; 3] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::blade;
+    use super::*;
+
+    #[test]
+    fn a_flat_leaf_lies_flat_on_either_side() {
+        let shape = Shape::new(&blade(0.0), Stalk::default());
+        for side in [Side::Upper, Side::Lower] {
+            let rest = shape.rest(side);
+            assert!(rest.samples.iter().all(|s| s.low.abs() < 1e-6 && s.high < 1e-6));
+            assert!(shape.stands(side).abs() < 1e-6);
+            let up = rest.level * DVec3::z();
+            assert!((up.y.abs() - 1.0).abs() < 1e-6 && (up.y > 0.0) == (side == Side::Upper));
+        }
+    }
+
+    #[test]
+    fn a_bowl_stands_on_its_bottom_and_turned_over_on_its_rim() {
+        let shape = Shape::new(&blade(8.0), Stalk::default());
+        let [up, down] = [Side::Upper, Side::Lower].map(|side| shape.rest(side));
+        let touching = |rest: &Rest| rest.samples.iter().filter(|s| s.low < 5e-4).count();
+        assert!(up.samples.iter().chain(&down.samples).all(|s| s.low >= -1e-6 && s.high >= s.low));
+        assert!(touching(up) > 0 && touching(down) >= 3, "{} {}", touching(up), touching(down));
+        // Upside down its middle is the highest part.
+        let centre = |rest: &Rest| {
+            let near = rest
+                .samples
+                .iter()
+                .min_by(|a, b| libm::hypotf(a.place[0], a.place[1]).total_cmp(&libm::hypotf(b.place[0], b.place[1])));
+            near.unwrap().low
+        };
+        assert!(centre(up) < 1e-3 && centre(down) > 3e-3, "{} {}", centre(up), centre(down));
+    }
+
+    #[test]
+    fn a_tilted_shape_comes_down_on_three_points_about_its_middle() {
+        let mut mesh = blade(8.0);
+        for p in &mut mesh.positions {
+            p.z += 0.25 * p.x - 0.15 * p.y;
+        }
+        let shape = Shape::new(&mesh, Stalk::default());
+        let rest = shape.rest(Side::Lower);
+        let feet: Vec<DVec2> = rest
+            .samples
+            .iter()
+            .filter(|s| s.low < 3e-4)
+            .map(|s| DVec2::new(f64::from(s.place[0]), f64::from(s.place[1])))
+            .collect();
+        let around = (0..8).all(|k| {
+            let angle = f64::from(k) * std::f64::consts::FRAC_PI_4;
+            let way = DVec2::new(crate::base::maths::cos(angle), crate::base::maths::sin(angle));
+            feet.iter().any(|foot| foot.dot(&way) > 0.0)
+        });
+        assert!(around, "{feet:?}");
+    }
+}
