@@ -27,7 +27,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
         "run",
         &[
             "base", "frame", "leaf", "deform", "colour", "season", "fall", "tree", "raster", "export", "scene",
-            "compose", "plan", "report",
+            "compose", "plan", "report", "plot",
         ],
     ),
     ("study", &["base", "leaf", "tree", "species"]),

@@ -211,7 +211,7 @@ fn displacements(blade: &Blade) -> Vec<f64> {
         friction: 0.0,
         ..deform::Settings::default()
     };
-    let (meshes, _) = deform::deform(&settings, &blade, &jobs, 1, &Limits::default()).unwrap();
+    let (meshes, _) = deform::deform(&settings, blade, &jobs, 1, &Limits::default()).unwrap();
     let moved = meshes[0].positions.iter().zip(&blade.mesh.positions);
     moved.map(|(now, before)| (now.cast::<f64>() - before.push(0.0)).norm()).collect()
 }

@@ -6,7 +6,7 @@
 
 mod common;
 
-use common::render;
+use common::{render, small};
 use leafseason::base::limits::Limits;
 use leafseason::report::Report;
 use leafseason::run::Options;
@@ -389,4 +389,22 @@ fn moments_are_what_they_say() {
     assert!((0.5..0.6).contains(&seen(Moment::HalfBare).2));
     assert!(seen(Moment::Winter).2 > 0.98);
     assert!(seen(Moment::Flush).0 < seen(Moment::Summer).0);
+}
+
+#[test]
+fn the_chart_of_shares_is_written_once_for_all_frames() {
+    for (form, begins) in [("svg", b"<svg".as_slice()), ("png", b"\x89PNG".as_slice())] {
+        let chart = format!("output={{png=false, shares=\"{form}\"}}");
+        let scene = small(&["time={from=0, to=20, step=10}", &chart]);
+        let folder = tempfile::tempdir().unwrap();
+        render(&scene, &Options { out: folder.path().to_owned(), ..Options::default() });
+        let written = fs::read(folder.path().join(format!("small.shares.{form}"))).unwrap();
+        assert!(written.starts_with(begins));
+        if form == "svg" {
+            let text = String::from_utf8(written).unwrap();
+            for word in ["late-green", "red", "temperature", "humidity", "share of leaves"] {
+                assert!(text.contains(word), "{word}");
+            }
+        }
+    }
 }

@@ -6,7 +6,7 @@ use super::preparation::Prepared;
 use super::progress::{self, Event, Progress};
 use super::signals::Signals;
 use super::stopwatch::{self, timed};
-use super::{Options, Outcome, fault, files, leaf_falls, states_file, wardrobe};
+use super::{Options, Outcome, fault, files, leaf_falls, shares_chart, states_file, wardrobe};
 use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault};
 use crate::base::figures::Figures;
 use crate::base::picture::Picture;
@@ -18,7 +18,8 @@ use crate::frame::Frame;
 use crate::plan::{self, PlannedFrame};
 use crate::raster;
 use crate::report::{FrameReport, Report};
-use crate::scene::{Scene, camera::Subject, output::Gltf};
+use crate::scene::output::{Chart, Gltf};
+use crate::scene::{Scene, camera::Subject};
 use crate::season::{self, LeafStates};
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -116,6 +117,21 @@ impl<'a> Run<'a> {
             self.report.spend("compose", start.elapsed().as_secs_f64());
             stock
         }))
+    }
+
+    /// Writes the chart of the shares; a sheet of cells and trees without seasons have none.
+    ///
+    /// # Errors
+    /// When it cannot be made or written.
+    pub fn write_shares(&self, form: Chart) -> Result<(), Diagnostics> {
+        let [cell] = self.cells.as_slice() else { return Ok(()) };
+        if cell.states.is_empty() {
+            return Ok(());
+        }
+        let (ending, bytes) = shares_chart::chart(cell, form).map_err(|error| fault::export(&error))?;
+        self.make_folder()?;
+        let path = self.options.out.join(format!("{}.shares.{ending}", self.names.scene));
+        files::write(&path, &bytes).map_err(|error| fault::written(&error))
     }
 
     fn make_folder(&self) -> Result<(), Diagnostics> {

@@ -104,7 +104,7 @@ fn allow(scene: &Scene, wanted: &[Wanted], forms: &[Form], limits: &Limits) -> R
         fault::refused(&scene.places, "trees", &refusal)
     };
     limits.allow(Limit::Leaves, "trees", leaves).map_err(|refusal| refused(refusal, 0.0))?;
-    let worn = prediction::worn_at_most(scene) + KEPT_BYTES as f64;
+    let worn = prediction::worn_at_most(scene) + prediction::litter_at_most(scene, leaves) + KEPT_BYTES as f64;
     limits.allow(Limit::Memory, "trees", bytes).map_err(|refusal| refused(refusal, worn))
 }
 

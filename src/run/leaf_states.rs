@@ -73,11 +73,14 @@ impl Seasons {
         let mut order: Vec<i64> = frames.to_vec();
         order.sort_unstable_by(|a, b| self.time.at(*a).total_cmp(&self.time.at(*b)).then(a.cmp(b)));
         let days: Vec<f64> = order.iter().map(|&index| self.time.at(index)).collect();
-        let of_parts: Vec<Vec<Law>> = self.parts.iter().map(|part| part.population.laws(&days)).collect();
-        for (at, index) in order.into_iter().enumerate() {
-            let laws = of_parts.iter().map(|laws| &laws[at]);
-            self.laws.insert(index, mixed(self.names.len(), self.parts.iter().zip(laws)));
-        }
+        self.laws.extend(order.into_iter().zip(self.laws_of(&days)));
+    }
+
+    /// The exact shares of all leaves on days that ascend.
+    pub fn laws_of(&self, days: &[f64]) -> Vec<Law> {
+        let of_parts: Vec<Vec<Law>> = self.parts.iter().map(|part| part.population.laws(days)).collect();
+        let at = |day: usize| mixed(self.names.len(), self.parts.iter().zip(of_parts.iter().map(|laws| &laws[day])));
+        (0..days.len()).map(at).collect()
     }
 
     /// The states that leaves of a species can come to, with their numbers among all; none for a species without seasons.

@@ -16,6 +16,7 @@ mod names;
 mod prediction;
 mod preparation;
 pub mod progress;
+mod shares_chart;
 pub mod signals;
 mod states_file;
 pub mod stopwatch;
@@ -170,6 +171,9 @@ pub fn render(
     let mut outcome = Outcome::default();
     if !to_do.is_empty() {
         run.draw_all(progress, signals, &key, &mut outcome)?;
+    }
+    if let Some(form) = scene.output.shares.filter(|_| !outcome.interrupted) {
+        run.write_shares(form)?;
     }
     let (mut report, states) = run.finished();
     if let Some(path) = options.states.as_ref().filter(|_| !outcome.interrupted) {

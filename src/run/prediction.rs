@@ -115,6 +115,11 @@ fn litter(scene: &Scene, stand: &Stand) -> f64 {
     leaves * FALL_BYTES + (leaves * LONE_BYTES).min(area * AREA_BYTES)
 }
 
+/// What the litter takes of so many leaves that lie far apart.
+pub fn litter_at_most(scene: &Scene, leaves: f64) -> f64 {
+    if scene.leaves_fall() { leaves * (FALL_BYTES + LONE_BYTES) } else { 0.0 }
+}
+
 /// What so many shapes and textures of a species take.
 fn worn(scene: &Scene, species: &Species, [shapes, textures]: [f64; 2]) -> [f64; 2] {
     let size = f64::from(crate::compose::largest_texture(scene, species));

@@ -34,7 +34,7 @@ pub struct Prepared {
     /// What is to be done.
     pub plan: Plan,
     /// The leaves' seasons.
-    seasons: Seasons,
+    pub seasons: Seasons,
     /// The states of frames that are still to be drawn.
     kept: BTreeMap<i64, (LeafStates, Figures)>,
 }

@@ -14,6 +14,16 @@ choice! {
     }
 }
 
+choice! {
+    /// The form of the chart of shares.
+    pub enum Chart {
+        /// A drawing with text, for papers and the web.
+        Svg = "svg",
+        /// A picture.
+        Png = "png",
+    }
+}
+
 settings! {
     /// What is written.
     pub struct Output {
@@ -21,6 +31,9 @@ settings! {
         png: bool = true;
         /// A glTF file of each frame; none when absent.
         gltf: Option<Gltf> = None;
+        /// A chart of the shares of the leaf states against time, with temperature and humidity under it: NAME.shares.svg or .png, once
+        /// for all frames; none when absent.
+        shares: Option<Chart> = None;
         /// One leaf enlarged in the lower right corner.
         inset: bool = false;
     }

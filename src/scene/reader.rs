@@ -290,7 +290,7 @@ fn sorted(findings: Vec<Finding>, scene: &Arc<Source>, sets: &[Arc<Source>]) -> 
 /// What is worth knowing of a good scene.
 fn warnings(scene: &Scene) -> Vec<Diagnostic> {
     let mut warnings = Vec::new();
-    if !scene.output.png && scene.output.gltf.is_none() {
+    if !scene.output.png && scene.output.gltf.is_none() && scene.output.shares.is_none() {
         let fault =
             Diagnostic::warning("the scene asks for neither pictures nor glTF", "set output.png or output.gltf");
         warnings.push(fault.at(scene.place("output.png")));

@@ -1,0 +1,124 @@
+//! The chart of the shares of the leaf states against time, with the weather under it: the exact shares, in the states' own
+//! colours.
+
+use super::preparation::Prepared;
+use crate::base::maths::linear_to_srgb8;
+use crate::colour;
+use crate::export::{self, ExportError};
+use crate::plot::{Axis, Legend, Panel, Plot, Scale, Series, Style};
+use crate::scene::Species;
+use crate::scene::output::Chart;
+use crate::season::{BUD, FALLEN, Weather};
+
+/// Points of each curve at least.
+const POINTS: u32 = 240;
+/// Days that are shown around one day of a constant climate, at least.
+const SPAN: f64 = 60.0;
+/// States in the order in which leaves pass them, as far as they have usual names; others come between turning and brown.
+const ORDER: [&str; 9] = [BUD, "flush", "green", "late-green", "turning", "yellow", "orange", "red", "purple"];
+const LAST: [&str; 3] = ["copper", "brown", FALLEN];
+/// Colours of what is no leaf, and of the weather.
+const BARE: [u8; 3] = [205, 205, 200];
+const BUDS: [u8; 3] = [120, 100, 90];
+const WARMTH: [u8; 3] = [190, 70, 40];
+const DAMP: [u8; 3] = [40, 100, 160];
+
+/// The chart of a scene: what its name ends with, and its content.
+///
+/// # Errors
+/// When it cannot be encoded.
+pub fn chart(cell: &Prepared, form: Chart) -> Result<(&'static str, Vec<u8>), ExportError> {
+    let plot = plot(cell);
+    Ok(match form {
+        Chart::Svg => ("svg", crate::plot::svg(&plot).into_bytes()),
+        Chart::Png => ("png", export::png(&crate::plot::picture(&plot))?),
+    })
+}
+
+fn plot(cell: &Prepared) -> Plot {
+    let days = days(cell);
+    let weather = cell.scene.weather.clone();
+    let time = match weather.date(0.0) {
+        Some(origin) => Axis { scale: Scale::Dates { origin }, ..Axis::default() },
+        None => Axis { label: "time".to_owned(), unit: "d".to_owned(), ..Axis::default() },
+    };
+    let percent = Some([0.0, 100.0]);
+    let y = |label: &str, unit: &str, range| Axis {
+        label: label.to_owned(),
+        unit: unit.to_owned(),
+        range,
+        ..Axis::default()
+    };
+    let of_weather = |label: &str, unit: &str, range, colour, value: fn(&crate::season::Day) -> f64| Panel {
+        x: time.clone(),
+        y: y(label, unit, range),
+        share: 1.0,
+        series: vec![Series::new(label, Style::Line, steps(&weather, &days, value)).coloured(colour)],
+        legend: Legend::Absent,
+        ..Panel::default()
+    };
+    let shares = Panel {
+        x: time.clone(),
+        y: y("share of leaves", "%", percent),
+        share: 3.0,
+        series: series(cell, &days),
+        ..Panel::default()
+    };
+    let temperature = of_weather("temperature", "°C", None, WARMTH, |day| day.temperature);
+    let humidity = of_weather("humidity", "%", percent, DAMP, |day| 100.0 * day.humidity);
+    let title = cell.scene.species.iter().map(Species::label).collect::<Vec<_>>().join(", ");
+    Plot { width: 1200, height: 900, title, panels: vec![shares, temperature, humidity], ..Plot::default() }
+}
+
+/// The days of the curves: over the frames, or around the day of a scene with one.
+fn days(cell: &Prepared) -> Vec<f64> {
+    let (time, weather) = (&cell.scene.time, &cell.scene.weather);
+    let last = time.at(time.count().max(1.0) as i64 - 1);
+    let (from, to) = match (time.is_single(), weather.is_constant()) {
+        (false, _) => (time.at(0), last),
+        (true, true) => (0.0, SPAN.max(2.0 * last)),
+        (true, false) => (0.0, weather.end().min(last.max(365.0))),
+    };
+    let points = POINTS.max(((to - from).min(20_000.0) * 2.0) as u32);
+    (0..=points).map(|point| from + (to - from) * f64::from(point) / f64::from(points)).collect()
+}
+
+/// The stacked shares of all states, what has fallen at the bottom.
+fn series(cell: &Prepared, days: &[f64]) -> Vec<Series> {
+    let laws = cell.seasons.laws_of(days);
+    let rank = |name: &str| {
+        let early = ORDER.iter().position(|known| *known == name);
+        let late = LAST.iter().position(|known| *known == name).map(|place| 1000 + place);
+        early.or(late).unwrap_or(ORDER.len())
+    };
+    let mut order: Vec<usize> = (0..cell.states.len()).collect();
+    order.sort_by_key(|&state| std::cmp::Reverse(rank(&cell.states[state])));
+    let has_leaves = |state: &usize| laws.iter().any(|law| law.expected[*state] > 1e-4);
+    let one = |state: usize| {
+        let points = days.iter().zip(&laws).map(|(day, law)| [*day, 100.0 * law.expected[state]]).collect();
+        Series::new(cell.states[state].as_str(), Style::Area, points)
+            .coloured(ink(&cell.scene.species, &cell.states[state]))
+    };
+    order.into_iter().filter(has_leaves).map(one).collect()
+}
+
+/// The colour of a state in the first species that has it.
+fn ink(species: &[Species], state: &str) -> [u8; 3] {
+    match state {
+        FALLEN => return BARE,
+        BUD => return BUDS,
+        _ => {}
+    }
+    let colour = &species.iter().find(|one| one.season.states.contains_key(state)).unwrap_or(&species[0]).colour;
+    let seen = colour::appearance(&colour.contents(state), colour.table).reflected;
+    seen.map(|channel| linear_to_srgb8(channel as f32))
+}
+
+/// A value of the weather over days, which changes from day to day.
+fn steps(weather: &Weather, days: &[f64], value: fn(&crate::season::Day) -> f64) -> Vec<[f64; 2]> {
+    let at = |day: f64| {
+        let place = (day.floor() as i64 - weather.first()).clamp(0, weather.days().len() as i64 - 1);
+        value(&weather.days()[place as usize])
+    };
+    days.iter().map(|&day| [day, at(day)]).collect()
+}
