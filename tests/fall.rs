@@ -120,7 +120,7 @@ fn blades(glb: &[u8]) -> BTreeMap<String, (String, String)> {
 #[test]
 fn a_leaf_falls_in_what_it_wore_and_lies_in_its_colours() {
     // half a day between frames, and flights of days: leaves of the first frame are in the air in the second
-    let scene = small(&["time.from=8", "time.to=8.5", "time.step=0.5", "fall.slow_motion=5e4", "output.png=false"]);
+    let scene = small(&["time.from=14", "time.to=14.5", "time.step=0.5", "fall.slow_motion=5e4", "output.png=false"]);
     let (files, report) = rendered(&scene, Options::default());
     let [before, after] = ["small.0000.glb", "small.0001.glb"].map(|name| blades(&files[name]));
     assert!(report.frames[1].fall.unwrap().air > 10);
@@ -165,6 +165,6 @@ fn the_plan_makes_only_what_fallen_leaves_show() {
     assert_eq!((of("fall").len(), of("leaf").len()), (1, 1));
     assert!(of("deform").iter().any(|name| name.starts_with("red")));
     assert!(of("colour").iter().all(|name| name.starts_with("brown")), "{:?}", of("colour"));
-    let gone = run::plan(&small(&["time.day=100", "fall.days=20"]), &Options::default()).unwrap();
+    let gone = run::plan(&small(&["time.day=400", "fall.days=20"]), &Options::default()).unwrap();
     assert!(!gone.has("fall") && !gone.has("leaf"));
 }

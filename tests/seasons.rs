@@ -31,7 +31,7 @@ fn read(text: &str, files: &[(&str, String)]) -> Scene {
         fs::write(folder.path().join(name), content).unwrap();
     }
     let path = folder.path().join("season.toml");
-    fs::write(&path, format!("{text}\n[output]\npng = false\n")).unwrap();
+    fs::write(&path, format!("{text}\n[output]\npng = false\n[fall]\non = false\n")).unwrap();
     scene::read(&path, &[], &[], &Limits::default()).unwrap_or_else(|fault| panic!("{text}: {fault}")).0
 }
 

@@ -55,7 +55,8 @@ fn every_table_is_sound_and_all_tables_of_a_species_know_the_same_states() {
         assert_eq!(deform::check(&deform), [], "{name}");
         assert_eq!(season::check(&season, &Weather::constant(12.0, 0.7)), [], "{name}");
         assert_eq!(colour::check(&colour), [], "{name}");
-        let shown: BTreeSet<&String> = season.states.keys().filter(|state| !["bud", "fallen"].contains(&state.as_str())).collect();
+        let shown: BTreeSet<&String> =
+            season.states.keys().filter(|state| !["bud", "fallen"].contains(&state.as_str())).collect();
         assert_eq!(colour.pigments.keys().collect::<BTreeSet<_>>(), shown, "{name}");
         assert_eq!(deform.states.keys().collect::<BTreeSet<_>>(), shown, "{name}");
     }

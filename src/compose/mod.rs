@@ -227,14 +227,20 @@ impl Stock {
         let painted = wardrobe.textures.get(&garment).map(Arc::as_ref);
         let state = &wardrobe.states[usize::from(garment.state)];
         let material = match scene.image.leaves {
-            Leaves::Lit => self.add_leaf_material(&scene.species[number], &name, state, painted),
+            Leaves::Lit => self.add_leaf_material(&scene.species[number], (tag, &name), state, painted),
             _ => self.add_chart_material(&name, painted),
         };
         self.painted.insert(garment, material);
         material
     }
 
-    fn add_leaf_material(&mut self, species: &Species, name: &str, state: &str, painted: Option<&Painted>) -> u32 {
+    fn add_leaf_material(
+        &mut self,
+        species: &Species,
+        (tag, name): (&str, &str),
+        state: &str,
+        painted: Option<&Painted>,
+    ) -> u32 {
         let mut textures = [None; 4];
         if let Some(painted) = painted {
             let maps = [
@@ -244,7 +250,9 @@ impl Stock {
                 ("relief", &*painted.relief),
             ];
             for (slot, (side, pixels)) in textures.iter_mut().zip(maps).filter(|(_, (_, pixels))| !pixels.is_empty()) {
-                *slot = Some(self.leaf_texture(&format!("{name}_{side}"), side, painted, pixels));
+                // One relief serves all leaves of a species: it is not named after one of them.
+                let of = if side == "relief" { format!("leaf_{tag}relief") } else { format!("{name}_{side}") };
+                *slot = Some(self.leaf_texture(&of, side, painted, pixels));
             }
         }
         // A dry leaf has lost its cuticle's sheen (judged, after Qiu et al. 2019 for the living one).

@@ -96,22 +96,26 @@ fn series(cell: &Prepared, days: &[f64]) -> Vec<Series> {
     let has_leaves = |state: &usize| laws.iter().any(|law| law.expected[*state] > 1e-4);
     let one = |state: usize| {
         let points = days.iter().zip(&laws).map(|(day, law)| [*day, 100.0 * law.expected[state]]).collect();
-        Series::new(cell.states[state].as_str(), Style::Area, points)
-            .coloured(ink(&cell.scene.species, &cell.states[state]))
+        let name = cell.states[state].as_str();
+        let series = Series::new(name, Style::Area, points);
+        match ink(&cell.scene.species, name) {
+            Some(ink) => series.coloured(ink),
+            None => series,
+        }
     };
     order.into_iter().filter(has_leaves).map(one).collect()
 }
 
-/// The colour of a state in the first species that has it.
-fn ink(species: &[Species], state: &str) -> [u8; 3] {
+/// The colour of a state in the first species that has leaves of it; none for a state without a colour of its own.
+fn ink(species: &[Species], state: &str) -> Option<[u8; 3]> {
     match state {
-        FALLEN => return BARE,
-        BUD => return BUDS,
+        FALLEN => return Some(BARE),
+        BUD => return Some(BUDS),
         _ => {}
     }
-    let colour = &species.iter().find(|one| one.season.states.contains_key(state)).unwrap_or(&species[0]).colour;
+    let colour = &species.iter().find(|one| one.colour.pigments.contains_key(state))?.colour;
     let seen = colour::appearance(&colour.contents(state), colour.table).reflected;
-    seen.map(|channel| linear_to_srgb8(channel as f32))
+    Some(seen.map(|channel| linear_to_srgb8(channel as f32)))
 }
 
 /// A value of the weather over days, which changes from day to day.

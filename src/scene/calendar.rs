@@ -197,12 +197,12 @@ fn days(time: &Settings, weather: &Weather, dates: &Dates) -> Time {
 fn outside(weather: &Weather, time: &Time) -> Complaints {
     let last = time.at(time.count().clamp(1.0, 1e15) as i64 - 1);
     let first = time.at(0);
-    if time.count() < 1.0 {
-        let what = "time ends before it begins".to_owned();
+    let shown = |day: f64| weather.date(day).map_or_else(|| format!("{day}"), |date| date.to_string());
+    if let Some(end) = time.end().filter(|_| time.count() < 1.0) {
+        let what = format!("time ends at {}, before it begins at {}", shown(end), shown(first));
         return vec![("time", Complaint::new("to", what, "let `to` be at least `from`"))];
     }
     let key = |run: &'static str| if time.is_single() { "" } else { run };
-    let shown = |day: f64| weather.date(day).map_or_else(|| format!("day {day}"), |date| date.to_string());
     let mut found = Vec::new();
     if first < weather.first() as f64 {
         let what = format!("{} is before the weather begins, on {}", shown(first), shown(weather.first() as f64));

@@ -7,8 +7,18 @@ use std::fmt::Write;
 
 /// The keys shown of each table, in order; a `#` writes the key as a comment, with an example.
 const KEYS: [(&str, &[(&str, &str)]); 10] = [
-    ("climate", &[("temperature", ""), ("humidity", "")]),
-    ("time", &[("day", "40.0"), ("from", "#0.0"), ("to", "#120.0"), ("step", "#1.0")]),
+    ("climate", &[("temperature", "8.0"), ("humidity", "0.7"), ("series", "#\"weather.csv\""), ("latitude", "#45.0")]),
+    (
+        "time",
+        &[
+            ("day", "40.0"),
+            ("date", "#2017-10-05"),
+            ("moment", "#\"peak\""),
+            ("from", "#0.0"),
+            ("to", "#120.0"),
+            ("step", "#1.0"),
+        ],
+    ),
     ("season", &[("mode", "")]),
     ("tree", &[("age", "#30")]),
     ("leaf", &[("picture", "#\"leaf.png\""), ("vertices", "")]),

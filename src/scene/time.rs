@@ -21,7 +21,7 @@ settings! {
         /// Last frame of several, included when the steps meet it: a day, or a date in quotes.
         to: Option<When> = None, unit "d", range 0.0 => 1e6;
         /// From one frame to the next; 1 when absent.
-        step: Option<f64> = None, unit "d", range 1e-6 => 1e6;
+        step: Option<f64> = None, unit "d", range 1e-8 => 1e6;
     }
 }
 
@@ -66,6 +66,12 @@ impl Time {
     #[must_use]
     pub fn run(from: f64, to: f64, step: f64) -> Self {
         Self { first: from, run: Some((to, step)), moment: None }
+    }
+
+    /// The end of a run of days.
+    #[must_use]
+    pub fn end(&self) -> Option<f64> {
+        self.run.map(|(to, _)| to)
     }
 
     /// How many frames there are; a prediction that may exceed any integer type.

@@ -292,8 +292,9 @@ mod tests {
         let early_october = super::super::Day { temperature: 12.0, humidity: 0.7, day_length: None };
         let half_life = std::f64::consts::LN_2 / chain.rate(green, &chain.place(&early_october));
         let corners = species.season.states["green"].half_life.unwrap().values();
-        // Bilinear by hand: 48 % of the way to the warm corners, two thirds of the way to the wet ones.
-        let along = |cold: f64, warm: f64| 0.52 * cold + 0.48 * warm;
+        // Bilinear by hand: two thirds of the way to the wet corners.
+        let warmth = (12.0 - species.season.cold) / (species.season.warm - species.season.cold);
+        let along = |cold: f64, warm: f64| (1.0 - warmth) * cold + warmth * warm;
         let expected = along(corners[0], corners[1]) * 2.0 / 3.0 + along(corners[2], corners[3]) / 3.0;
         assert!((half_life - expected).abs() < 1e-12);
     }

@@ -213,6 +213,7 @@ fn every_spring_brings_new_leaves_and_pushes_off_the_old() {
 fn outside_leaves_turn_first_and_the_leaves_of_a_shoot_together() {
     let (mut settings, weather) = (species(), years());
     settings.states.get_mut("green").unwrap().stages = 12;
+    settings.crown.shoot = 0.5;
     let all: Vec<u64> = (0..40_000).collect();
     let mut leaves = population(&settings, &weather, 2, &all);
     let names = leaves.names().to_vec();

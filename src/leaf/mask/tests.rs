@@ -94,7 +94,7 @@ fn a_mirrored_blade_has_the_mirrored_mask() {
     let vein = Vein { points, width: 1e-3, end_width: 1e-3, order: 2 };
     let mirror = |p: &DVec2| DVec2::new(-p.x, p.y);
     let other = Vein { points: vein.points.iter().map(mirror).collect(), ..vein.clone() };
-    let law = Mask { vein_reach: 0.2, ..Mask::default() };
+    let law = Mask::default();
     let one = drawn(&mesh, &outline, &[], &[vein], &law);
     let two = drawn(&mesh, &outline.iter().map(mirror).collect::<Vec<_>>(), &[], &[other], &law);
     let differ = (0..SIDE * SIDE).filter(|i| {
