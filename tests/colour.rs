@@ -9,9 +9,12 @@ use leafseason::run::{self, Options, progress, signals::Signals};
 use leafseason::{leaf, scene, species};
 use serde_json::Value;
 
+/// A leaf's name, contents, reflected and transmitted colour.
+type Named = (&'static str, [f64; 7], [u8; 3], [u8; 3]);
+
 /// Named leaves of `leaf_colours_expected.csv`, computed by another implementation of the model on the 5 nm table:
 /// structure, chlorophyll, carotenoids, anthocyanins, brown, water, dry matter; reflected and transmitted 8-bit colours.
-const NAMED: [(&str, [f64; 7], [u8; 3], [u8; 3]); 6] = [
+const NAMED: [Named; 6] = [
     ("green_summer", [1.45, 38.0, 7.0, 3.6, 0.06, 0.01, 0.0025], [0x49, 0x55, 0x36], [0x48, 0x53, 0x00]),
     ("yellow_clear", [1.7, 0.8, 7.0, 0.0, 0.02, 0.0085, 0.0045], [0xc6, 0x9b, 0x33], [0xbe, 0x90, 0x00]),
     ("red", [1.7, 1.5, 4.0, 12.0, 0.08, 0.008, 0.005], [0x98, 0x52, 0x42], [0x90, 0x3f, 0x23]),
@@ -26,7 +29,11 @@ species = "beech"
 season = { start = "green" }
 time = { day = 0.0 }
 tree = { axiom = "L(1)", rules = [] }
-colour = { table = "5nm", detail = "plain", gloss = false, size = 16, variants = 1 }
+colour.table = "5nm"
+colour.detail = "plain"
+colour.gloss = false
+colour.size = 16
+colour.variants = 1
 deform = { model = "paper", states = { green = { dryness = 0.0 } } }
 image = { width = 32, height = 32, samples = 4 }
 light = { tone = "none", sky = 0.0, sun = 3.333333, shadow_size = 0 }
@@ -50,8 +57,8 @@ fn rendered(text: &str) -> (Picture, Value) {
 
 fn contents(values: &[f64; 7]) -> String {
     let keys = ["structure", "chlorophyll", "carotenoids", "anthocyanins", "brown", "water", "dry_matter"];
-    let pairs: Vec<String> = keys.iter().zip(values).map(|(key, value)| format!("{key} = {value}")).collect();
-    format!("[colour.pigments.green]\n{}\n", pairs.join("\n"))
+    let pair = |(key, value): (&&str, &f64)| format!("colour.pigments.green.{key} = {value}\n");
+    keys.iter().zip(values).map(pair).collect()
 }
 
 #[test]
@@ -191,8 +198,8 @@ fn triple(value: &Value) -> [f64; 3] {
 
 #[test]
 fn a_plain_colour_is_fitted_and_the_report_says_how_far_it_is_off() {
-    let camera = "[camera]\nsubject = \"leaf\"\n[colour.pigments]\ngreen = \"#985242\"\n";
-    let green = &rendered(&format!("{FLAT}\n{camera}")).1["green"];
+    let camera = "[camera]\nsubject = \"leaf\"\n";
+    let green = &rendered(&format!("{FLAT}\ncolour.pigments.green = \"#985242\"\n{camera}")).1["green"];
     let wanted = [0x98u8, 0x52, 0x42].map(|code| f64::from(srgb_to_linear(f32::from(code) / 255.0)));
     let off = colour_difference(triple(&green["reflected"]), wanted);
     let said = green["fitted"]["dE76"].as_f64().expect("a figure");
@@ -202,8 +209,8 @@ fn a_plain_colour_is_fitted_and_the_report_says_how_far_it_is_off() {
 
 #[test]
 fn sliders_win_over_contents() {
-    let camera = "[camera]\nsubject = \"leaf\"\n[colour.sliders.green]\nred = 1.0\n";
-    let red = triple(&rendered(&format!("{FLAT}\n{camera}")).1["green"]["reflected"]);
+    let camera = "[camera]\nsubject = \"leaf\"\n";
+    let red = triple(&rendered(&format!("{FLAT}\ncolour.sliders.green.red = 1.0\n{camera}")).1["green"]["reflected"]);
     assert!(red[0] > 3.0 * red[1], "{red:?}");
 }
 
@@ -213,9 +220,11 @@ fn what_is_no_colour_is_refused_at_its_place() {
     let path = folder.path().join("leaf.toml");
     let text = "species = \"beech\"\n[colour.pigments]\ngreen = \"ochre\"\n[colour.sliders.brown]\nred = 2.0\n";
     std::fs::write(&path, text).expect("written");
-    let fault = scene::read(&path, &[], &[], &Limits::default()).err().expect("a fault").to_string();
-    for part in ["leaf.toml:3:", "ochre", "#b5301c", "leaf.toml:5:", "red"] {
-        assert!(fault.contains(part), "{part} is not in {fault}");
+    let found = scene::read(&path, &[], &[], &Limits::default()).expect_err("faults").0;
+    let told: Vec<String> = found.iter().map(leafseason::base::message::render).collect();
+    assert_eq!(told.len(), 2, "{told:#?}");
+    for (text, parts) in told.iter().zip([["leaf.toml:3:9", "ochre", "#b5301c"], ["leaf.toml:5:7", "red", "0"]]) {
+        assert!(parts.iter().all(|part| text.contains(part)), "{parts:?} in {text}");
     }
 }
 

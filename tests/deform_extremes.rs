@@ -64,7 +64,8 @@ fn black_and_checkered_masks_are_no_trouble() {
         let count = ovate(6).positions.len();
         let mesh = FlatMesh { greys: (0..count).map(grey).collect(), ..ovate(6) };
         let (_, figure) = shapes(&Settings::default(), &mesh, &[0.5, 1.0]);
-        assert!(figure("max_strain") < 0.1);
+        // No more than what shrinks pulls at what does not.
+        assert!(figure("max_strain") < Settings::default().shell.shrink);
         let (_, figure) = shapes(&paper(), &mesh, &[1.0]);
         assert!(figure("max_strain") <= 0.11);
     }
@@ -183,7 +184,7 @@ fn a_mesh_of_two_levels_has_the_shape_of_one() {
     let twin = |p: &DVec2| fine.positions.iter().position(|q| (q - p).norm() < 1e-9).expect("a twin");
     let twins: Vec<_> = coarse.positions.iter().map(|p| b[twin(p)]).collect();
     let difference = distance(&a, &twins) / distance(&twins, &flat(&coarse));
-    assert!(difference < 0.01, "{difference}");
+    assert!(difference < 0.02, "{difference}");
 }
 
 #[test]

@@ -7,6 +7,7 @@
 
 use super::areoles::own;
 use super::noise::Noise;
+use super::palette::below;
 use super::surface::{Surface, Tissue};
 use super::{Painting, Pigments};
 use crate::base::maths::{exp, expf, ln, mix, smooth_step};
@@ -135,9 +136,9 @@ impl<'a> Fields<'a> {
         for _ in 0..10 {
             amounts.front = 0.5 * (low + high);
             if self.mean(tissue, 0, &amounts) < pigments.chlorophyll {
-                low = amounts.front
+                low = amounts.front;
             } else {
-                high = amounts.front
+                high = amounts.front;
             }
         }
         amounts.anthocyanins = (pigments.anthocyanins / self.mean(tissue, 1, &amounts).max(1e-6)) as f32;
@@ -308,7 +309,7 @@ impl Clouds {
 #[inline]
 fn read(table: &[f32], x: f32) -> f32 {
     let place = ((x + 1.0) * (0.5 * ENTRIES as f32)).clamp(0.0, ENTRIES as f32 - 0.01);
-    let entry = place as i32 as usize;
+    let entry = below(place).min(ENTRIES - 1);
     let (low, high) = (table[entry], table[entry + 1]);
     low + (high - low) * (place - entry as f32)
 }

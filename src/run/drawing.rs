@@ -123,11 +123,15 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// When it cannot be made or written.
-    pub fn write_shares(&self, form: Chart) -> Result<(), Diagnostics> {
-        let [cell] = self.cells.as_slice() else { return Ok(()) };
-        if cell.states.is_empty() {
-            return Ok(());
-        }
+    pub fn write_shares(&mut self, form: Chart) -> Result<(), Diagnostics> {
+        let cell = match self.cells.as_slice() {
+            [cell] if !cell.states.is_empty() => cell,
+            _ => {
+                let note = "output.shares draws nothing for a sheet of cells, nor without seasons";
+                self.report.notes.push(note.to_owned());
+                return Ok(());
+            }
+        };
         let (ending, bytes) = shares_chart::chart(cell, form).map_err(|error| fault::export(&error))?;
         self.make_folder()?;
         let path = self.options.out.join(format!("{}.shares.{ending}", self.names.scene));

@@ -15,6 +15,8 @@ const DEFAULT_HUMIDITY: f64 = 0.7;
 const DEFAULT_LATITUDE: f64 = 45.0;
 /// The year that days of a mean year are dated in when the scene names no date.
 const NOMINAL_YEAR: i64 = 2025;
+/// Years that dates may lie in, so that days before and after them have dates too.
+const YEARS: std::ops::RangeInclusive<i64> = 2..=9000;
 /// Years of mean weather at most.
 const MOST_YEARS: f64 = 100.0;
 
@@ -121,8 +123,8 @@ fn dates(time: &Settings, complaints: &mut Complaints) -> Dates {
     let mut read = |key: &str, text: Option<&String>| {
         let text = text?;
         let date = Date::parse(text);
-        if date.is_none() {
-            let what = format!("`{key}` is not a date");
+        if date.is_none_or(|date| !YEARS.contains(&date.year())) {
+            let what = format!("`{key}` is not a date of the years {} to {}", YEARS.start(), YEARS.end());
             complaints.push(("time", Complaint::new(key, what, "write year, month and day: \"2017-10-05\"")));
         }
         date
@@ -141,17 +143,17 @@ fn dates(time: &Settings, complaints: &mut Complaints) -> Dates {
 /// Days of a series with what it lacks.
 fn of_series(climate: &Climate, series: Series) -> Result<Weather, Complaints> {
     let lacks_length = series.days.iter().any(|record| record.day_length.is_none());
-    let Some(latitude) = climate.latitude.or((!lacks_length).then_some(f64::NAN)) else {
+    if lacks_length && climate.latitude.is_none() {
         let what = "this series has no day lengths (`daylength_h`)";
         return Err(vec![("climate", Complaint::new("series", what, "give climate.latitude, from which they follow"))]);
-    };
+    }
     let day = |(at, record): (usize, &crate::season::series::Record)| {
         let date = series.start.plus(at as i64);
-        let computed = || crate::season::day_length(latitude, date.day_of_year() as f64);
+        let computed = |latitude: f64| crate::season::day_length(latitude, date.day_of_year() as f64);
         Day {
             temperature: record.temperature,
             humidity: record.humidity.or(climate.humidity).unwrap_or(DEFAULT_HUMIDITY),
-            day_length: Some(record.day_length.unwrap_or_else(computed)),
+            day_length: record.day_length.or(climate.latitude.map(computed)),
         }
     };
     let days = series.days.iter().enumerate().map(day).collect();
@@ -161,7 +163,7 @@ fn of_series(climate: &Climate, series: Series) -> Result<Weather, Complaints> {
 /// The mean years that the days of the scene lie in.
 fn mean_years(climate: &Climate, time: &Settings, dates: &Dates) -> Result<Weather, Complaints> {
     let year = dates.date.or(dates.from).or(dates.to).map_or(NOMINAL_YEAR, Date::year);
-    let Some(origin) = Date::new(year, 1, 1).filter(|origin| origin.year() > 1) else { return Err(Vec::new()) };
+    let Some(origin) = Date::new(year, 1, 1) else { return Err(Vec::new()) };
     let numbers = [time.day, number(time.from.as_ref()), number(time.to.as_ref())];
     let of_dates = [dates.date, dates.from, dates.to].map(|date| date.map(|date| date.since(origin) as f64));
     let last = numbers.into_iter().chain(of_dates).flatten().fold(MOST_DAYS, f64::max);

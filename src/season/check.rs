@@ -63,10 +63,15 @@ fn odds(settings: &Settings) -> Vec<Complaint> {
 /// A chain that returns has no course through the year to be early or late in.
 fn returns(settings: &Settings, weather: &Weather) -> Option<Complaint> {
     let has_buds = !weather.is_constant() && settings.states.get(BUD).is_some_and(|bud| !bud.next.is_empty());
-    if settings.coherence == 0.0 && !has_buds || !Chain::new(settings, true).returns() {
+    let has_stages = settings.states.values().any(|state| state.stages > 1);
+    if settings.coherence == 0.0 && !has_buds && !has_stages || !Chain::new(settings, true).returns() {
         return None;
     }
     let message = "leaves can come back to a state they have left";
+    if let Some((name, _)) = settings.states.iter().find(|(_, state)| state.stages > 1) {
+        let message = format!("`{name}` has hidden stages, and {message}");
+        return Some(Complaint::new(format!("states.{name}.stages"), message, "have one stage in each state"));
+    }
     Some(if settings.coherence > 0.0 {
         Complaint::new("coherence", format!("{message}: none is early or late"), "set coherence = 0")
     } else {
@@ -133,7 +138,10 @@ fn half_life(name: &str, state: &State) -> Option<Complaint> {
     };
     let values = half_life.values();
     if let Some(value) = values.iter().find(|value| value.is_nan() || **value < SHORTEST_HALF_LIFE) {
-        let message = format!("a half-life of {value} days is not a positive time");
+        let message = match *value > 0.0 {
+            true => format!("a half-life of {value:e} days is shorter than {SHORTEST_HALF_LIFE:e}"),
+            false => format!("a half-life of {value} days is not a positive time"),
+        };
         return Some(Complaint::new(key, message, "give days above 0, or leave the state out of the chain"));
     }
     let endless = values.iter().filter(|value| value.is_infinite()).count();

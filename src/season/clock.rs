@@ -128,7 +128,8 @@ impl Clock<'_> {
             jumps: 0,
             is_from_law: false,
         };
-        let state = self.target(&stay, day, OPENING);
+        let targets = self.course.targets(self.course.piece(day), usize::from(bud));
+        let state = self.drawn(&stay, OPENING, targets).unwrap_or(bud);
         self.settled(Stay { state, ..stay })
     }
 
@@ -160,8 +161,13 @@ impl Clock<'_> {
         let mut targets = Vec::with_capacity(8);
         let of_day = self.course.targets(self.course.piece(day), usize::from(stay.state));
         self.odds.weighed(self.class, of_day, &mut targets);
+        self.drawn(stay, event, targets.into_iter()).unwrap_or(stay.state)
+    }
+
+    /// One of the targets of an event of a stay, at the number that belongs to it.
+    fn drawn(&self, stay: &Stay, event: u64, targets: impl Iterator<Item = (u16, f64)>) -> Option<u16> {
         let uniform = Stream::new(self.seed, Purpose::Target, self.leaf, self.event(stay, event)).uniform();
-        chosen(targets.iter().copied(), uniform).unwrap_or(stay.state)
+        chosen(targets, uniform)
     }
 
     /// Number of an event of the year of a stay.
@@ -171,15 +177,15 @@ impl Clock<'_> {
         (year as u64) << 16 | event.min(OPENING)
     }
 
-    /// A leaf that jumps too often to be followed, in a constant climate: its state is drawn once from the exact law of
-    /// the time that is left after the last jump that was followed. The law of each day stays exact; only the
+    /// A leaf that jumps too often to be followed, in a constant climate: it makes one jump more, and its state is drawn once
+    /// from the exact law of the time that is left after that. The law of each day stays exact; only the
     /// path between two such days is no longer that of single jumps.
     pub fn resumed(&self, stay: Stay, law: &Transition, day: f64) -> Stay {
-        let left = day - stay.since;
-        let shares = law.row(self.course.states(), stay.state, left);
+        let from = self.target(&stay, stay.until, u64::from(stay.jumps));
+        let shares = law.row(self.course.states(), from, day - stay.until);
         let mut stream = Stream::new(self.seed, Purpose::Target, self.leaf, u64::MAX);
-        let state = chosen(numbered(&shares), stream.uniform()).unwrap_or(stay.state);
-        let since = self.aged(self.course.rate(0, usize::from(state)), day).max(stay.since);
+        let state = chosen(numbered(&shares), stream.uniform()).unwrap_or(from);
+        let since = self.aged(self.course.rate(0, usize::from(state)), day).max(stay.until);
         Stay { state, before: stay.state, since, until: day, is_from_law: true, ..stay }
     }
 

@@ -11,7 +11,7 @@ use super::{BUD, FALLEN};
 use serde::Serialize;
 
 /// Days of the growing year: the equinox from which spring warmth is summed, and the longest day, on which the last bud opens.
-const EQUINOX: i64 = 82;
+pub(super) const EQUINOX: i64 = 82;
 pub(super) const LONGEST_DAY: i64 = 172;
 /// A series that begins after this day of the growing year and before `LATE` begins in leaf.
 const LATEST_BUD: i64 = 101;
@@ -87,13 +87,19 @@ impl Course {
         }
         let first_day = weather.growing_day(0);
         let is_bare = first_day.is_some_and(|(_, day)| day <= LATEST_BUD || day >= LATE);
+        let start = bud.filter(|_| is_bare).unwrap_or(chain.start);
+        let mut springs = bud.map_or_else(Vec::new, |_| springs(weather));
+        if bud != Some(start) && springs.first().is_some_and(|spring| spring.begin == 0) {
+            // The leaves that are there have opened in that spring.
+            springs.remove(0);
+        }
         let states = chain.nodes.len();
         let column = |state: usize| rates.iter().skip(state).step_by(states).copied();
         Self {
-            start: bud.filter(|_| is_bare).unwrap_or(chain.start),
+            start,
             year: first_day.map_or(0, |(year, _)| year),
             fallen: chain.number(FALLEN),
-            springs: bud.map_or_else(Vec::new, |_| springs(weather)),
+            springs,
             first: weather.first() as f64,
             clamped: places.iter().filter(|place| place.is_clamped).count(),
             hazards: (0..states).flat_map(|state| sums(column(state))).collect(),

@@ -4,12 +4,12 @@
 //! that a branch more changes no leaf. Speeds and exposures are taken in classes, so that the exact shares of all leaves are a sum
 //! over few laws.
 
-use super::settings::{NominalCrown, Settings};
+use super::settings::{Mode, NominalCrown, Settings};
 use crate::base::maths::exp;
 use crate::base::random::{Purpose, Stream};
 
-/// Classes of exposure: 0, 1/7, ... 1.
-pub(super) const EXPOSURES: usize = 8;
+/// Classes of exposure: 0, 1/8, ... 1; the middle one is that of a leaf whose exposure is not known.
+pub(super) const EXPOSURES: usize = 9;
 /// Classes of speed in one e-fold.
 const SPEEDS: f64 = 8.0;
 /// The fastest class: e^3 of the mean.
@@ -117,7 +117,9 @@ pub(super) struct Odds {
 impl Odds {
     /// `names` are those of the chain.
     pub fn new(settings: &Settings, names: &[String]) -> Self {
-        let odds = |name: &String| settings.coherence * settings.crown.odds.get(name).copied().unwrap_or(0.0);
+        // The paper's leaves are all alike.
+        let coherence = if settings.mode == Mode::Exact { settings.coherence } else { 0.0 };
+        let odds = |name: &String| coherence * settings.crown.odds.get(name).copied().unwrap_or(0.0);
         let is_plain = names.iter().all(|name| odds(name) == 0.0);
         let weight = |class: usize, name: &String| exp(odds(name) * (class as f64 / (EXPOSURES - 1) as f64 - 0.5));
         let of_class = |class: usize| names.iter().map(move |name| weight(class, name));

@@ -3,8 +3,8 @@
 //! A leaf is a continuous-time Markov chain whose holding rates are ln 2 over the half-lives of equation (5) and whose
 //! targets are the chances X, both interpolated between four corners of the climate. In a year's weather the rates change from
 //! day to day, wait for short days (`gate`), and buds open again each spring. `mode = "exact"` follows each leaf's own waiting
-//! times; `mode = "paper"` applies equations (4) to (6) once a step. The distribution over states is known in
-//! both modes without sampling, and the report compares the sample with it.
+//! times; `mode = "paper"` applies equations (4) to (6) once a step. The distribution over states in
+//! continuous time is known without sampling, and the report compares the sample with it.
 //!
 //! Inside: `weather` (with `series`, `sine_year`, `day_length`) is what the days are like; `chain` is rates and chances at
 //! one climate; `course` is a chain through all days; `exposure` is how leaves differ within a crown; `clock` is one leaf;

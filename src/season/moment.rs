@@ -1,5 +1,6 @@
 //! Days named by what is seen on the tree.
 
+use super::course::{EQUINOX, LONGEST_DAY};
 use super::law::Law;
 use super::weather::Weather;
 use super::{BUD, FALLEN};
@@ -25,6 +26,10 @@ choice! {
 
 /// States that are green.
 const GREEN: [&str; 3] = ["flush", "green", "late-green"];
+/// Days of the growing year in which buds open.
+const SPRING: std::ops::Range<i64> = EQUINOX..LONGEST_DAY;
+/// Those in which young leaves may be the most.
+const YOUNG: std::ops::Range<i64> = EQUINOX..LONGEST_DAY + 30;
 /// Share of the leaves that have turned at first colour, and that are still there in winter beside those that stay on.
 const TURNED: f64 = 0.1;
 const LEFT: f64 = 0.01;
@@ -32,6 +37,12 @@ const LEFT: f64 = 0.01;
 pub const MOST_DAYS: f64 = 380.0;
 /// Days after the longest one on which it is summer.
 const SUMMER: f64 = 25.0;
+/// Days after that on which it still is.
+const LATE_SUMMER: f64 = 30.0;
+/// Days of an autumn that reaches into winter.
+const SHORTEST_AUTUMN: usize = 190;
+/// Share of leaves that must be in colour, or young, for a height of it.
+const FEWEST: f64 = 0.02;
 /// Shares on a day.
 struct Seen {
     day: f64,
@@ -55,10 +66,13 @@ pub(super) fn day_of(
     }
     let end = weather.end().min(from + MOST_DAYS);
     let days: Vec<f64> = (0..).map(|day| from + f64::from(day)).take_while(|day| *day < end).collect();
-    let longest = longest_day(weather, &days)?;
+    let autumn = autumn(weather, &days)?;
+    let begin = days[autumn.start];
     if moment == Moment::Summer {
-        return Some((longest + SUMMER).min(end - 1.0));
+        let day = summer(weather, begin).max(begin);
+        return (day < end && day - summer(weather, begin) < LATE_SUMMER).then_some(day);
     }
+    let is_whole = autumn.end < days.len() || days.len() - autumn.start > SHORTEST_AUTUMN;
     let laws = laws(&days);
     let share = |law: &Law, wanted: &[&str]| -> f64 {
         let numbered = names.iter().zip(&law.expected);
@@ -72,13 +86,14 @@ pub(super) fn day_of(
         leaves: 1.0 - share(law, &[FALLEN, BUD]),
     };
     let seen: Vec<Seen> = days.iter().zip(&laws).map(seen).collect();
-    let autumn = || seen.iter().filter(|seen| seen.day >= longest);
+    let autumn = || seen[autumn.clone()].iter();
+    let spring = |seen: &&Seen| growing_date(weather, seen.day).is_some_and(|date| YOUNG.contains(&date));
     let largest = |value: fn(&Seen) -> f64, seen: &mut dyn Iterator<Item = &Seen>| {
         let best = seen.fold(None, |best: Option<&Seen>, next| match best {
             Some(best) if value(best) >= value(next) => Some(best),
             _ => Some(next),
         });
-        best.map(|seen| seen.day)
+        best.filter(|seen| value(seen) >= FEWEST).map(|seen| seen.day)
     };
     match moment {
         Moment::Summer => None,
@@ -86,15 +101,28 @@ pub(super) fn day_of(
         Moment::Peak => largest(|seen| seen.leaves - seen.green - seen.brown, &mut autumn()),
         Moment::HalfBare => autumn().find(|seen| seen.leaves <= 0.5).map(|seen| seen.day),
         // Some species keep leaves: then it is winter in the middle of January, or on the last day that is known.
-        Moment::Winter => autumn().find(|seen| seen.leaves <= LEFT).or(seen.last()).map(|seen| seen.day),
-        Moment::Flush => largest(|seen| seen.flush, &mut seen.iter().filter(|seen| seen.day < longest)),
+        Moment::Winter => {
+            autumn().find(|seen| seen.leaves <= LEFT).or(autumn().next_back().filter(|_| is_whole)).map(|seen| seen.day)
+        }
+        Moment::Flush => largest(|seen| seen.flush, &mut seen.iter().filter(spring)),
     }
 }
 
-/// The day of the growing year's longest day among days.
-fn longest_day(weather: &Weather, days: &[f64]) -> Option<f64> {
-    let at = |day: f64| (day as i64 - weather.first()) as usize;
-    let is_longest =
-        |day: &&f64| weather.growing_day(at(**day)).is_some_and(|(_, date)| date == super::course::LONGEST_DAY);
-    days.iter().find(is_longest).or(days.first()).copied()
+/// How far into its growing year a day is.
+fn growing_date(weather: &Weather, day: f64) -> Option<i64> {
+    let at = usize::try_from(day as i64 - weather.first()).ok()?;
+    weather.growing_day(at).map(|(_, date)| date)
+}
+
+/// The days, by number, from the longest one, or from the first where that is past it, to the next spring.
+fn autumn(weather: &Weather, days: &[f64]) -> Option<std::ops::Range<usize>> {
+    let date = |day: &f64| growing_date(weather, *day).unwrap_or(0);
+    let start = days.iter().position(|day| date(day) >= LONGEST_DAY)?;
+    let length = days[start..].iter().position(|day| SPRING.contains(&date(day))).unwrap_or(days.len() - start);
+    Some(start..start + length)
+}
+
+/// The day of full leaf of the growing year that a day after its longest one lies in.
+fn summer(weather: &Weather, day: f64) -> f64 {
+    day + SUMMER - (growing_date(weather, day).unwrap_or(LONGEST_DAY) - LONGEST_DAY) as f64
 }

@@ -19,7 +19,7 @@ const STEP_ROUNDING: f64 = 1e-9;
 const TIMINGS: f64 = 4.0;
 const LATEST_TREE: f64 = 3.0;
 /// Jumps of a leaf through all of a year's weather above which it is followed by days instead.
-const MOST_FOLLOWED: f64 = 200.0;
+const MOST_FOLLOWED: f64 = 100.0;
 
 /// A leaf: its stable id, and by what it differs from others.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,7 +118,7 @@ impl Population {
         if self.settings.mode == Mode::Paper { self.settings.step * rates.fold(0.0, f64::max) } else { 0.0 }
     }
 
-    /// Keeps each leaf's last stay from now on, about 50 bytes, so that the next day is found without its past.
+    /// Keeps each leaf's last stay from now on, about 64 bytes, so that the next day is found without its past.
     pub fn keep(&mut self) {
         self.stays = vec![None; self.leaves.len()];
     }
@@ -198,7 +198,7 @@ impl Population {
     }
 
     /// The exact shares of the states over all leaves, without sampling, on days that ascend: the mean of the leaves' own laws in
-    /// continuous time, also under the paper's rule.
+    /// continuous time, also under the paper's rule: what that misses is [`step_error`](Self::step_error).
     #[must_use]
     pub fn laws(&self, days: &[f64]) -> Vec<Law> {
         let mut counts: BTreeMap<(u16, Class), u64> = BTreeMap::new();

@@ -11,6 +11,8 @@ use crate::base::maths::exp;
 
 /// Mean number of events up to which the Poisson sum is taken: its first term, e^-32, is far from underflow.
 const MOST_EVENTS: f64 = 32.0;
+/// Parts into which a longer time is cut before a matrix is squared instead.
+const MOST_PARTS: f64 = 64.0;
 /// The Poisson sum ends where the rest is below this.
 const TAIL: f64 = 1e-18;
 
@@ -108,12 +110,23 @@ impl Generator {
     pub fn advanced(&self, row: &[f64], days: f64) -> Vec<f64> {
         let fastest = self.rates.iter().copied().fold(0.0, f64::max);
         let mean = fastest * days;
-        if mean <= 0.0 {
+        let is_at_rest = row.iter().zip(&self.rates).all(|(share, rate)| *share == 0.0 || *rate == 0.0);
+        if mean <= 0.0 || is_at_rest {
             return row.to_vec();
         }
-        if mean > MOST_EVENTS {
+        if mean > MOST_EVENTS * MOST_PARTS {
             return self.squared(row, days);
         }
+        let parts = (mean / MOST_EVENTS).ceil().max(1.0);
+        let mut row = row.to_vec();
+        for _ in 0..parts as u64 {
+            row = self.poisson(&row, fastest, mean / parts);
+        }
+        row
+    }
+
+    /// The distribution after a time in which the fastest place has `mean` events.
+    fn poisson(&self, row: &[f64], fastest: f64, mean: f64) -> Vec<f64> {
         let mut power = row.to_vec();
         let mut weight = exp(-mean);
         let mut sum: Vec<f64> = power.iter().map(|share| share * weight).collect();

@@ -100,24 +100,17 @@ fn sampling_error(variance: &[f64], leaves: f64) -> f64 {
 /// Pearson's statistic and its degrees of freedom. States that few leaves are expected in are lumped. Leaves of different classes
 /// have different laws, which makes the statistic smaller than chance alone would, never larger.
 fn chi_square(counts: &[u64], expected: &[f64], leaves: f64) -> (f64, u64) {
-    let mut lump = (0.0, 0.0);
-    let (mut sum, mut cells) = (0.0, 0u64);
-    let mut add = |count: f64, expected: f64| {
-        let away = count - expected;
-        sum += away * away / expected;
-        cells += 1;
-    };
-    for (&count, share) in counts.iter().zip(expected) {
-        if share * leaves >= FEWEST {
-            add(count as f64, share * leaves);
-        } else {
-            lump = (lump.0 + count as f64, lump.1 + share * leaves);
-        }
+    let all = counts.iter().zip(expected).map(|(&count, share)| (count as f64, share * leaves));
+    let (mut cells, rare): (Vec<(f64, f64)>, Vec<(f64, f64)>) = all.partition(|(_, expected)| *expected >= FEWEST);
+    let lump = rare.iter().fold((0.0, 0.0), |sum, cell| (sum.0 + cell.0, sum.1 + cell.1));
+    if lump.1 >= FEWEST {
+        cells.push(lump);
+    } else if let Some(smallest) = cells.iter_mut().min_by(|a, b| a.1.total_cmp(&b.1)) {
+        // Too few for a cell of their own, they go to the smallest.
+        *smallest = (smallest.0 + lump.0, smallest.1 + lump.1);
     }
-    if lump.1 > 1e-3 {
-        add(lump.0, lump.1);
-    }
-    (sum, cells.saturating_sub(1))
+    let sum = cells.iter().map(|(count, expected)| (count - expected) * (count - expected) / expected).sum();
+    (sum, (cells.len() as u64).saturating_sub(1))
 }
 
 #[cfg(test)]

@@ -145,22 +145,28 @@ fn the_reference_of_hazards_that_change_is_met() {
 #[test]
 fn frames_agree_at_any_step_in_any_order_with_and_without_memory() {
     let (settings, weather, all) = (species(), years(), ids(300));
-    let fresh = |day: f64| population(&settings, &weather, 8, &all).at(day);
+    let fresh = |day: f64| {
+        let mut leaves = population(&settings, &weather, 8, &all);
+        leaves.remember();
+        leaves.at(day)
+    };
     let days: Vec<f64> = (0..200).map(|step| 100.0 + f64::from(step) * 5.25).collect();
     let alone: Vec<Sample> = days.iter().map(|day| fresh(*day)).collect();
     let mut kept = population(&settings, &weather, 8, &all);
+    kept.remember();
     kept.keep();
     let forward: Vec<Sample> = days.iter().map(|day| kept.at(*day)).collect();
     let mut backward: Vec<Sample> = days.iter().rev().map(|day| kept.at(*day)).collect();
     backward.reverse();
     assert!(alone == forward && alone == backward);
     // A leaf that has not changed between two frames was entered on the same day in both.
-    for (today, tomorrow) in alone.iter().zip(&alone[1..]) {
+    for ((today, tomorrow), day) in alone.iter().zip(&alone[1..]).zip(&days) {
         for leaf in 0..all.len() {
-            let same = today.states[leaf] == tomorrow.states[leaf] && tomorrow.since[leaf] <= days[0];
+            let same = today.states[leaf] == tomorrow.states[leaf] && tomorrow.since[leaf] <= *day;
             assert!(!same || today.since[leaf] == tomorrow.since[leaf]);
         }
     }
+    assert!(alone.iter().any(|sample| !sample.shed.is_empty()));
 }
 
 #[test]
@@ -393,6 +399,31 @@ mod paper {
 
 mod moments {
     use super::*;
+
+    #[test]
+    fn the_south_has_its_autumn_in_april_and_a_series_from_july_the_autumn_that_follows() {
+        let settings = species();
+        let south = Weather::mean_years(-42.0, None, Date::new(2017, 1, 1).unwrap(), 380);
+        let leaves = population(&settings, &south, 1, &ids(300));
+        let day = |moment| leaves.day_of(moment).unwrap();
+        assert!((85.0..160.0).contains(&day(Moment::HalfBare)), "{}", day(Moment::HalfBare));
+        assert!(day(Moment::Summer) < 40.0 && (250.0..353.0).contains(&day(Moment::Flush)));
+        let of = |day: i64| super::sine_year::day(44.0, day as f64, None);
+        let july = Weather::series(Date::new(2017, 7, 1).unwrap(), (182..700).map(of).collect(), None).unwrap();
+        let half = population(&settings, &july, 1, &ids(300)).day_of(Moment::HalfBare).unwrap();
+        assert!((60.0..150.0).contains(&half), "{half}");
+    }
+
+    #[test]
+    fn a_series_that_begins_in_may_begins_in_leaf_and_stays_so() {
+        let settings = species();
+        let of = |day: i64| super::sine_year::day(44.0, day as f64, None);
+        let may = Weather::series(Date::new(2017, 5, 1).unwrap(), (121..500).map(of).collect(), None).unwrap();
+        let mut leaves = population(&settings, &may, 1, &ids(300));
+        leaves.remember();
+        let sample = leaves.at(80.0);
+        assert!(sample.since.iter().all(|since| *since == 0.0) && sample.shed.is_empty());
+    }
 
     #[test]
     fn they_come_in_the_order_of_the_year() {

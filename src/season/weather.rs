@@ -8,6 +8,8 @@ use serde::Serialize;
 const SOUTHERN_LAG: i64 = 183;
 /// Length of a day at the equator, hours; longer ones are summer's.
 const EQUINOX_HOURS: f64 = 12.0;
+/// Hours about it that tell neither summer nor winter.
+const EQUINOX_MARGIN: f64 = 0.4;
 
 /// A day's weather.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -48,7 +50,9 @@ impl Weather {
         let summer = |(at, day): (usize, &Day)| {
             let date = origin.plus(at as i64).day_of_year();
             let is_northern = (80..266).contains(&date);
-            day.day_length.is_some_and(|hours| (hours > EQUINOX_HOURS) != is_northern)
+            // About the equinoxes days are of equal length on both halves of the earth.
+            let tells = day.day_length.filter(|hours| (hours - EQUINOX_HOURS).abs() > EQUINOX_MARGIN);
+            tells.is_some_and(|hours| (hours > EQUINOX_HOURS) != is_northern)
         };
         let against = days.iter().enumerate().filter(|day| summer(*day)).count();
         let is_south = latitude.map_or(2 * against > days.len(), |latitude| latitude < 0.0);

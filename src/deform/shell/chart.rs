@@ -31,10 +31,18 @@ impl Chart {
         let places: Vec<DVec2> = flat.mesh.positions.iter().map(|p| p / extent).collect();
         let first = places.first().copied().unwrap_or_default();
         let (low, high) = places.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
-        let cells = |k: usize| ((high[k] - low[k]) * CELLS).ceil().clamp(1.0, CELLS + 1.0) as usize + 1;
+        // An odd number about the middle, so that a mirrored blade has the mirrored grid.
+        let cells = |k: usize| 2 * ((high[k] - low[k]) * CELLS * 0.5).ceil().clamp(1.0, CELLS) as usize + 1;
         let (width, height) = (cells(0), cells(1));
-        let mut chart = Self { origin: low, width, height, inside: vec![0.0; width * height] };
-        let mut greys = vec![255.0; width * height];
+        let origin = (low + high) * 0.5 - DVec2::new((width / 2) as f64, (height / 2) as f64) / CELLS;
+        let mut chart = Self { origin, width, height, inside: vec![0.0; width * height] };
+        let mut greys = vec![0.0f64; width * height];
+        for (&place, grey) in places.iter().zip(&flat.mesh.greys) {
+            let cell = chart.cell(place);
+            chart.inside[cell] = 1.0;
+            // Of several corners in a cell the lightest counts, whatever their order.
+            greys[cell] = greys[cell].max(*grey);
+        }
         for (cell, grey) in chart.covered(flat.mesh, &places) {
             chart.inside[cell] = 1.0;
             greys[cell] = grey;
@@ -57,9 +65,9 @@ impl Chart {
         (chart, greys)
     }
 
-    /// The cells that triangles cover, and those of their corners, each with the greys of the corners there.
+    /// The cells whose middles triangles cover, each with the grey there.
     fn covered(&self, mesh: &FlatMesh, places: &[DVec2]) -> Vec<(usize, f64)> {
-        let mut covered: Vec<(usize, f64)> = places.iter().zip(&mesh.greys).map(|(&p, &g)| (self.cell(p), g)).collect();
+        let mut covered = Vec::new();
         for corners in &mesh.triangles {
             let [a, b, c] = corners.map(|v| places[v as usize]);
             let greys = corners.map(|v| mesh.greys[v as usize]);

@@ -94,7 +94,7 @@ impl<'a> Path<'a> {
     /// [`Stuck`] when the solver does not get there.
     pub fn at(&mut self, dryness: f64) -> Result<(Vec<DVec3>, Outcome), Stuck> {
         if dryness > 0.0
-            && let Some(reached) = self.from_coarse(dryness)
+            && let Some(reached) = self.refined(dryness)
         {
             return Ok(reached);
         }
@@ -102,7 +102,7 @@ impl<'a> Path<'a> {
     }
 
     /// The positions at a dryness, from those of the coarser mesh; `None` without one, or when they lead nowhere.
-    fn from_coarse(&mut self, dryness: f64) -> Option<(Vec<DVec3>, Outcome)> {
+    fn refined(&mut self, dryness: f64) -> Option<(Vec<DVec3>, Outcome)> {
         let (coarse, way) = self.coarse.as_mut()?;
         let mut positions = way.carried(&coarse.at(dryness).ok()?.0);
         let sheet = self.solver.sheet();

@@ -13,6 +13,7 @@
 use super::overlap::piercings;
 use super::settings::Settings;
 use crate::base::flat_mesh::FlatMesh;
+use crate::base::maths::cbrt;
 use crate::base::vector::{DMat3, DVec2, DVec3};
 
 /// A symmetric tensor of the plane: xx, xy, yy.
@@ -93,7 +94,9 @@ impl Sheet {
             let plate = Plate::new(number, corners, &places, &sides);
             let third = plate.doubled_area / 6.0;
             corners.iter().for_each(|&v| areas[v as usize] += third);
-            sides.edges[number].iter().for_each(|&edge| around[edge as usize] += third);
+            // Bending goes with the third power of the thickness, stretching with the first.
+            let thicker = cbrt(1.0 + ribs[number].thickening);
+            sides.edges[number].iter().for_each(|&edge| around[edge as usize] += third * thicker);
             plates.push(plate.stiffened(settings.poisson_ratio, &ribs[number]));
         }
         // Y / D of a plate of this thickness.

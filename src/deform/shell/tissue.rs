@@ -22,7 +22,7 @@ const VEIN_WIDTH: f64 = 0.06;
 /// Difference from the surroundings that is no vein yet.
 const FAINT_VEIN: f64 = 0.03;
 /// Distances from the joint, extents, to which the petiole's foot reaches whole, and at which it has ended.
-const FOOT: [f64; 2] = [0.05, 0.20];
+const FOOT: [f64; 2] = [0.08, 0.25];
 /// How many times stiffer than the blade the foot is.
 const FOOT_STIFFNESS: f64 = 100.0;
 /// Places along a line at which the tissue is asked.
