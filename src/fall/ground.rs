@@ -9,7 +9,7 @@ use crate::base::random::hash;
 use crate::base::vector::DVec2;
 
 /// Lengths over which drifts vary, metres, and how far leaves slide over each of them (root mean square over the length).
-const WAVES: [(f64, f64); 2] = [(2.1, 0.06), (0.55, 0.06)];
+const WAVES: [(f64, f64); 2] = [(2.1, 0.072), (0.55, 0.06)];
 /// Distance of the points between which a gradient is taken, in wavelengths.
 const STEP: f64 = 0.05;
 /// Metres about a trunk's foot that leaves are pushed out of it within.

@@ -81,7 +81,7 @@ mod tests {
         let humidity = &schema["properties"]["climate"]["properties"]["humidity"];
         assert_eq!(humidity["minimum"], 0);
         assert_eq!(humidity["maximum"], 1);
-        assert_eq!(schema["properties"]["season"]["properties"]["warm"]["default"], 25);
+        assert_eq!(schema["properties"]["season"]["properties"]["warm"]["default"], 25.0);
         assert_eq!(schema["properties"]["camera"]["properties"]["position"]["maxItems"], 3);
         assert_eq!(schema["properties"]["ground"]["properties"]["kind"]["enum"], json!(["grass", "none"]));
         let states = &schema["properties"]["season"]["properties"]["states"]["additionalProperties"];
