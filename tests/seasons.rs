@@ -35,8 +35,11 @@ fn read(text: &str, files: &[(&str, String)]) -> Scene {
     scene::read(&path, &[], &[], &Limits::default()).unwrap_or_else(|fault| panic!("{text}: {fault}")).0
 }
 
+/// State and its first day, by frame and leaf.
+type States = BTreeMap<(i64, String), (String, f64)>;
+
 /// The report of a scene, and the state and its first day of each leaf in each frame.
-fn run(scene: &Scene) -> (Report, BTreeMap<(i64, String), (String, f64)>) {
+fn run(scene: &Scene) -> (Report, States) {
     let folder = tempfile::tempdir().unwrap();
     let states = folder.path().join("states.csv");
     let options = Options { out: folder.path().to_owned(), states: Some(states.clone()), ..Options::default() };

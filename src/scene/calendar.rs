@@ -57,7 +57,7 @@ pub fn resolve(climate: &Climate, time: &Settings, series: Option<Series>) -> Re
             climate.temperature.unwrap_or(DEFAULT_TEMPERATURE),
             climate.humidity.unwrap_or(DEFAULT_HUMIDITY),
         ),
-        Some(series) => of_series(climate, series)?,
+        Some(series) => of_series(climate, &series)?,
         None => mean_years(climate, time, &dates)?,
     };
     let moment = time.moment.or((is_year && is_without_time(time)).then_some(Moment::Peak));
@@ -141,7 +141,7 @@ fn dates(time: &Settings, complaints: &mut Complaints) -> Dates {
 }
 
 /// Days of a series with what it lacks.
-fn of_series(climate: &Climate, series: Series) -> Result<Weather, Complaints> {
+fn of_series(climate: &Climate, series: &Series) -> Result<Weather, Complaints> {
     let lacks_length = series.days.iter().any(|record| record.day_length.is_none());
     if lacks_length && climate.latitude.is_none() {
         let what = "this series has no day lengths (`daylength_h`)";

@@ -166,9 +166,9 @@ impl Population {
                 *kept = Some(stay);
                 shown(leaf, stay)
             });
-            Sample::of(both.collect())
+            Sample::of(&both.collect::<Vec<Stay>>())
         } else {
-            Sample::of(self.leaves.par_iter().map(|leaf| shown(leaf, stay(leaf, None))).collect())
+            Sample::of(&self.leaves.par_iter().map(|leaf| shown(leaf, stay(leaf, None))).collect::<Vec<Stay>>())
         };
         self.stays = stays;
         sample
@@ -188,7 +188,7 @@ impl Population {
     }
 
     fn each(&self, stay: impl Fn(&Leaf, &Clock<'_>) -> Stay + Sync) -> Sample {
-        Sample::of(self.leaves.par_iter().map(|leaf| stay(leaf, &self.clock(leaf))).collect())
+        Sample::of(&self.leaves.par_iter().map(|leaf| stay(leaf, &self.clock(leaf))).collect::<Vec<Stay>>())
     }
 
     fn clock(&self, leaf: &Leaf) -> Clock<'_> {

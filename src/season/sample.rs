@@ -5,6 +5,8 @@ use super::law::Law;
 use crate::base::figures::{ErrorFigure, Figures};
 use serde_json::{Map, Value};
 
+/// Leaves counted and expected in each state.
+type Cells = Vec<(f64, f64)>;
 /// Expected leaves of a state below which it is lumped with others for the chi-square: the statistic's law needs some.
 const FEWEST: f64 = 5.0;
 
@@ -24,7 +26,7 @@ pub struct Sample {
 }
 
 impl Sample {
-    pub(super) fn of(stays: Vec<Stay>) -> Self {
+    pub(super) fn of(stays: &[Stay]) -> Self {
         Self {
             states: stays.iter().map(|stay| stay.state).collect(),
             before: stays.iter().map(|stay| stay.before).collect(),
@@ -101,7 +103,7 @@ fn sampling_error(variance: &[f64], leaves: f64) -> f64 {
 /// have different laws, which makes the statistic smaller than chance alone would, never larger.
 fn chi_square(counts: &[u64], expected: &[f64], leaves: f64) -> (f64, u64) {
     let all = counts.iter().zip(expected).map(|(&count, share)| (count as f64, share * leaves));
-    let (mut cells, rare): (Vec<(f64, f64)>, Vec<(f64, f64)>) = all.partition(|(_, expected)| *expected >= FEWEST);
+    let (mut cells, rare): (Cells, Cells) = all.partition(|(_, expected)| *expected >= FEWEST);
     let lump = rare.iter().fold((0.0, 0.0), |sum, cell| (sum.0 + cell.0, sum.1 + cell.1));
     if lump.1 >= FEWEST {
         cells.push(lump);

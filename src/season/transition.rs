@@ -155,8 +155,10 @@ mod tests {
     use super::super::{Settings, Weather};
     use super::*;
 
+    type Rates = (Vec<f64>, Vec<Vec<(u16, f64)>>, u16);
+
     /// Rates, targets and the start of a chain in a constant climate.
-    fn chain(settings: &Settings) -> (Vec<f64>, Vec<Vec<(u16, f64)>>, u16) {
+    fn chain(settings: &Settings) -> Rates {
         let course = Course::new(settings, &Weather::constant(12.0, 0.7), 0.0);
         let states = 0..course.states();
         let rates = states.clone().map(|state| course.rate(0, state)).collect();
