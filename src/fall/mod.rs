@@ -1,10 +1,10 @@
 //! The fall: a leaf that left its twig -> where it is and how it lies at any later time.
 //!
-//! 1. [`flight`]: the way down, a closed form of the time since the leaf let go: descent at the speed of its mass and area,
-//!    flutter, tumbling or a spiral by its Froude number, wind and gusts ([`wind`]) integrated exactly;
-//! 2. [`fate`]: whether it hangs, flies, lies (as it fell, brown, flat) or has decayed;
-//! 3. [`ground`]: where it comes to rest: litter gathers in drifts, and not within trunks;
-//! 4. [`litter`]: how it lies on the ground and on what lies there already, by the lowest points of its shape ([`shape`]).
+//! 1. `flight`: the way down, a closed form of the time since the leaf let go: descent at the speed of its mass and area,
+//!    flutter, tumbling or a spiral by its Froude number, wind and gusts (`wind`) integrated exactly;
+//! 2. `fate`: whether it hangs, flies, lies (as it fell, brown, flat) or has decayed;
+//! 3. `ground`: where it comes to rest: litter gathers in drifts, and not within trunks;
+//! 4. `litter`: how it lies on the ground and on what lies there already, by the lowest points of its shape (`shape`).
 //!
 //! Every result is a function of the seed, the leaf and the time; the litter of a time is made from all earlier falls, in
 //! the order in which they landed. No step follows from a step before, so a frame alone equals the same frame of a run.

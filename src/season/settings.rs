@@ -121,7 +121,7 @@ settings! {
         flush_degree_days: f64 = 285.0, unit "K d", range 0.0 => 10000.0;
         /// Temperature above which spring warmth counts.
         flush_base: f64 = 0.0, unit "°C", range -20.0 => 30.0;
-        /// Spread of `day_length` from tree to tree of [[trees]].
+        /// Spread of `day_length` from tree to tree of `[[trees]]`.
         tree_spread: f64 = 0.45, unit "h", range 0.0 => 6.0;
         /// How much leaves differ within a crown, by exposure, limb and shoot: 1 as [season.crown] says, 0 not at all, which
         /// is the plain chain.
