@@ -164,7 +164,7 @@ impl Part {
                     limb: own(site.limb),
                     shoot: own(site.shoot),
                 };
-                let timing = scene.is_grove.then_some(key);
+                let timing = (key != 0).then_some(key);
                 population.add(timing, crown.as_ref(), ids.iter().copied().zip(form.sites.iter().map(position)));
                 places.extend(first..first + form.sites.len());
             }

@@ -65,8 +65,6 @@ pub struct Scene {
     pub species: Vec<Species>,
     /// The trees; without `[[trees]]` one of the only species at the origin.
     pub trees: Vec<Planted>,
-    /// Whether they are listed as `[[trees]]`, each then with a timing of its own.
-    pub is_grove: bool,
     /// Where the picture is taken from.
     pub camera: camera::Camera,
     /// Sun, sky and exposure.

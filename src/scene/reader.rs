@@ -163,7 +163,6 @@ impl Reader<'_> {
         self.places = own;
         let calendar = self.calendar(source, &above);
         let mut scene = self.scene(source, &above, calendar, species, trees)?;
-        scene.is_grove = !entries.is_empty();
         scene.places = Places(std::mem::take(&mut self.places));
         self.judge(source, &scene, &wholes);
         Some(scene)
@@ -229,7 +228,6 @@ impl Reader<'_> {
             time: calendar.time,
             species,
             trees,
-            is_grove: false,
             camera: self.settings(source, above, "camera")?,
             light: self.settings(source, above, "light")?,
             image: self.settings(source, above, "image")?,
