@@ -2,6 +2,7 @@
 
 use super::stand::{Form, Pose};
 use super::{Garment, Stand, variant};
+use crate::base::maths::hypot;
 use crate::base::vector::{DVec2, DVec3};
 use crate::fall::{self, Counts, Fallen, Fate, Flight, Ground, Trunk, Wind};
 use crate::scene::{Scene, Species, Standing};
@@ -156,7 +157,7 @@ pub(super) fn ground(stand: &Stand) -> Ground {
 /// Radius of a trunk at the ground, metres.
 fn foot(form: &Form) -> f64 {
     let vertices = form.wood.iter().flat_map(|wood| &wood.mesh.positions);
-    let low = vertices.filter(|p| f64::from(p.y) < FOOT).map(|p| libm::hypot(f64::from(p.x), f64::from(p.z)));
+    let low = vertices.filter(|p| f64::from(p.y) < FOOT).map(|p| hypot(f64::from(p.x), f64::from(p.z)));
     low.filter(|radius| *radius < LARGEST_FOOT).fold(0.0, f64::max)
 }
 

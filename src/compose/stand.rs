@@ -1,6 +1,5 @@
 //! The trees of a scene: each form grown once, and every tree a form at a place.
 
-use crate::base::random::hash;
 use crate::base::vector::{Affine, DVec3, Mat3, rotated};
 use crate::scene::Standing;
 use crate::tree::{LeafSite, Tree, Wood};
@@ -50,11 +49,10 @@ impl Stand {
     /// Gathers trees. The leaves of the first keep the ids of their sites; those of others are told apart by the tree's key.
     #[must_use]
     pub fn new(forms: Vec<Form>, trees: Vec<(usize, Standing)>) -> Self {
-        let of_tree = |(form, standing): &(usize, Standing)| {
-            let key = standing.key;
-            forms[*form].sites.iter().map(move |site| if key == 0 { site.id } else { hash(key, site.id) })
-        };
-        let leaf_ids = trees.iter().flat_map(of_tree).collect();
+        let mut leaf_ids = Vec::new();
+        for (form, standing) in &trees {
+            leaf_ids.extend(forms[*form].sites.iter().map(|site| standing.own(site.id)));
+        }
         Self { forms, trees, leaf_ids }
     }
 

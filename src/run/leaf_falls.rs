@@ -3,8 +3,7 @@
 use crate::compose::{Dropped, Falls, Stand};
 use crate::plan;
 use crate::scene::Scene;
-use crate::season::FALLEN;
-use crate::season::LeafStates;
+use crate::season::{FALLEN, LeafStates};
 
 /// What has become of every leaf that has fallen by a frame's time; `None` where fallen leaves are not asked for.
 pub fn falls(scene: &Scene, stand: &Stand, states: &LeafStates, index: i64) -> Option<Falls> {

@@ -1,7 +1,6 @@
 //! The states of all leaves of a stand, species by species: each has its own chain, the leaves their own clocks.
 
 use crate::base::figures::Figures;
-use crate::base::random::hash;
 use crate::compose::Stand;
 use crate::scene::{Scene, time::Time};
 use crate::season::{self, Crown, Law, LeafStates, Moment, Population, Position};
@@ -156,15 +155,13 @@ impl Part {
                 let ids = &stand.leaf_ids[first..first + form.sites.len()];
                 let tree = &scene.trees[standing.entry].tree;
                 let crown = Crown::new(&settings.crown, tree.age, tree.height);
-                let key = standing.key;
-                let own = |id: u64| if key == 0 { id } else { hash(key, id) };
                 let position = |site: &crate::tree::LeafSite| Position {
                     height: site.base.y,
                     distance: (site.base.x * site.base.x + site.base.z * site.base.z).sqrt(),
-                    limb: own(site.limb),
-                    shoot: own(site.shoot),
+                    limb: standing.own(site.limb),
+                    shoot: standing.own(site.shoot),
                 };
-                let timing = (key != 0).then_some(key);
+                let timing = (standing.key != 0).then_some(standing.key);
                 population.add(timing, crown.as_ref(), ids.iter().copied().zip(form.sites.iter().map(position)));
                 places.extend(first..first + form.sites.len());
             }

@@ -62,7 +62,8 @@ pub fn prepare(cells: Vec<Scene>, asked: &Asked<'_>, report: &mut Report) -> Res
     let mut counts: Vec<Vec<Counted>> = Vec::new();
     let count = cells.len();
     for mut scene in cells {
-        let (stand, states, kept) = grown(&scene, asked.limits, report)?;
+        let stand = timed(report, "tree", || growth::grow(&scene, asked.limits))?;
+        let states = leaf_states::names(&scene, &stand);
         if count > 1 {
             // The cells of a sheet are alike: what has grown so far tells what all will take.
             let so_far = prepared.iter().map(|one| &one.stand).chain([&stand]).map(prediction::stand).sum::<f64>();
@@ -80,7 +81,7 @@ pub fn prepare(cells: Vec<Scene>, asked: &Asked<'_>, report: &mut Report) -> Res
             seasons.prepare(asked.frames, asked.frames.len() > 1);
             report.spend("season", start.elapsed().as_secs_f64());
         }
-        let mut one = Prepared { scene, stand, states, plan: Plan::default(), seasons, kept };
+        let mut one = Prepared { scene, stand, states, plan: Plan::default(), seasons, kept: BTreeMap::new() };
         let frames = asked.frames.iter().take_while(|_| !(asked.stop)());
         counts.push(frames.map(|&index| one.count(index, report)).collect());
         prepared.push(one);
@@ -103,14 +104,6 @@ pub fn prepare(cells: Vec<Scene>, asked: &Asked<'_>, report: &mut Report) -> Res
 /// The signature of a frame in one cell more.
 fn mixed(sum: u64, signature: u64, cells: usize) -> u64 {
     if cells == 1 { signature } else { hash(sum, signature) }
-}
-
-type Grown = (Stand, Vec<String>, BTreeMap<i64, (LeafStates, Figures)>);
-
-fn grown(scene: &Scene, limits: &Limits, report: &mut Report) -> Result<Grown, Diagnostics> {
-    let stand = timed(report, "tree", || growth::grow(scene, limits))?;
-    let states = leaf_states::names(scene, &stand);
-    Ok((stand, states, BTreeMap::new()))
 }
 
 impl Prepared {

@@ -120,9 +120,5 @@ fn ink(species: &[Species], state: &str) -> Option<[u8; 3]> {
 
 /// A value of the weather over days, which changes from day to day.
 fn steps(weather: &Weather, days: &[f64], value: fn(&crate::season::Day) -> f64) -> Vec<[f64; 2]> {
-    let at = |day: f64| {
-        let place = (day.floor() as i64 - weather.first()).clamp(0, weather.days().len() as i64 - 1);
-        value(&weather.days()[place as usize])
-    };
-    days.iter().map(|&day| [day, at(day)]).collect()
+    days.iter().map(|&day| [day, value(&weather.days()[weather.number(day)])]).collect()
 }

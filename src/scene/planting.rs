@@ -80,6 +80,14 @@ pub struct Standing {
     pub turn: f64,
 }
 
+impl Standing {
+    /// An identity of the tree that it grew from, made this tree's own.
+    #[must_use]
+    pub fn own(&self, id: u64) -> u64 {
+        if self.key == 0 { id } else { hash(self.key, id) }
+    }
+}
+
 /// The keys of an entry; `age` takes what `tree.age` takes.
 pub(super) fn schema() -> Schema {
     let mut schema = Planting::schema();

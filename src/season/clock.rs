@@ -183,10 +183,15 @@ impl Clock<'_> {
     pub fn resumed(&self, stay: Stay, law: &Transition, day: f64) -> Stay {
         let from = self.target(&stay, stay.until, u64::from(stay.jumps));
         let shares = law.row(self.course.states(), from, day - stay.until);
-        let mut stream = Stream::new(self.seed, Purpose::Target, self.leaf, u64::MAX);
-        let state = chosen(numbered(&shares), stream.uniform()).unwrap_or(from);
-        let since = self.aged(self.course.rate(0, usize::from(state)), day).max(stay.until);
-        Stay { state, before: stay.state, since, until: day, is_from_law: true, ..stay }
+        Stay { until: day, ..self.lawful(Stay { since: stay.until, ..stay }, &shares, (from, day)) }
+    }
+
+    /// A stay in a state drawn from shares, on a day; `from` is for shares of nothing.
+    fn lawful(&self, stay: Stay, shares: &[f64], (from, day): (u16, f64)) -> Stay {
+        let uniform = Stream::new(self.seed, Purpose::Target, self.leaf, u64::MAX).uniform();
+        let state = chosen(numbered(shares), uniform).unwrap_or(from);
+        let since = self.aged(self.course.rate(0, usize::from(state)), day).max(stay.since);
+        Stay { state, before: stay.state, since, is_from_law: true, ..stay }
     }
 
     /// Whether a stay stands after more jumps than are followed.
@@ -251,11 +256,7 @@ impl Clock<'_> {
         let left = count - followed as f64;
         match law {
             Some(law) if left > 0.0 && course.rate(0, usize::from(stay.state)) > 0.0 => {
-                let shares = law.row(course.states(), stay.state, left);
-                let uniform = Stream::new(self.seed, Purpose::Target, self.leaf, u64::MAX).uniform();
-                let state = chosen(numbered(&shares), uniform).unwrap_or(stay.state);
-                let since = self.aged(course.rate(0, usize::from(state)), count * step).max(stay.since);
-                Stay { state, before: stay.state, since, is_from_law: true, ..stay }
+                self.lawful(stay, &law.row(course.states(), stay.state, left), (stay.state, count * step))
             }
             _ => stay,
         }

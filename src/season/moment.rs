@@ -110,8 +110,7 @@ pub(super) fn day_of(
 
 /// How far into its growing year a day is.
 fn growing_date(weather: &Weather, day: f64) -> Option<i64> {
-    let at = usize::try_from(day as i64 - weather.first()).ok()?;
-    weather.growing_day(at).map(|(_, date)| date)
+    weather.growing_day(weather.number(day)).map(|(_, date)| date)
 }
 
 /// The days, by number, from the longest one, or from the first where that is past it, to the next spring.

@@ -155,20 +155,18 @@ impl Population {
         // Only a chain that returns can be lost, and coherence does not go with it: one law serves all.
         let law = (is_restless && course.is_constant()).then(|| law::constant_law(course, &self.odds, day));
         let mut stays = std::mem::take(&mut self.stays);
-        let stay = |leaf: &Leaf, known: Option<Stay>| self.clock(leaf).at(known, day);
-        let shown = |leaf: &Leaf, stay: Stay| match &law {
-            Some(law) if Clock::is_lost(&stay, day) => self.clock(leaf).resumed(stay, law, day),
+        let shown = |clock: &Clock<'_>, stay: Stay| match &law {
+            Some(law) if Clock::is_lost(&stay, day) => clock.resumed(stay, law, day),
             _ => stay,
         };
         let sample = if stays.len() == self.leaves.len() {
             let both = self.leaves.par_iter().zip(&mut stays).map(|(leaf, kept)| {
-                let stay = stay(leaf, *kept);
-                *kept = Some(stay);
-                shown(leaf, stay)
+                let clock = self.clock(leaf);
+                shown(&clock, *kept.insert(clock.at(*kept, day)))
             });
             Sample::of(&both.collect::<Vec<Stay>>())
         } else {
-            Sample::of(&self.leaves.par_iter().map(|leaf| shown(leaf, stay(leaf, None))).collect::<Vec<Stay>>())
+            self.each(|_, clock| shown(clock, clock.at(None, day)))
         };
         self.stays = stays;
         sample

@@ -93,6 +93,13 @@ impl Weather {
         if self.is_constant() { f64::INFINITY } else { (self.first + self.days.len() as i64) as f64 }
     }
 
+    /// Number of the day among [`days`](Self::days) that a time lies in; the first or last for times outside.
+    #[must_use]
+    pub fn number(&self, day: f64) -> usize {
+        // Casts of floats saturate.
+        (day.floor() as i64).saturating_sub(self.first).clamp(0, self.days.len() as i64 - 1) as usize
+    }
+
     /// The date of a day.
     #[must_use]
     pub fn date(&self, day: f64) -> Option<Date> {

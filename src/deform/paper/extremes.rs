@@ -1,30 +1,14 @@
 //! Equation (1) on few vertices for very long, on very stiff springs, and with very unequal masses.
 
 use super::system::State;
+use super::tests::lattice;
 use super::*;
 use crate::base::random::{Purpose, Stream};
-use crate::base::vector::DVec2;
 
 /// Nineteen vertices of an equilateral lattice, 4 mm apart, that nothing holds.
 fn hexagon() -> FlatMesh {
-    let mut mesh = FlatMesh::default();
-    let mut numbers = BTreeMap::new();
-    for (row, column) in (-2i32..=2).flat_map(|row| (-2i32..=2).map(move |column| (row, column))) {
-        if (row + column).abs() <= 2 {
-            numbers.insert((row, column), mesh.positions.len() as u32);
-            let x = f64::from(column) + 0.5 * f64::from(row);
-            mesh.positions.push(DVec2::new(x, f64::from(row) * 0.75f64.sqrt()) * 0.004);
-        }
-    }
-    for (&(row, column), &a) in &numbers {
-        let at = |row: i32, column: i32| numbers.get(&(row, column)).copied();
-        if let (Some(b), Some(c)) = (at(row, column + 1), at(row + 1, column)) {
-            mesh.triangles.push([a, b, c]);
-        }
-        if let (Some(b), Some(c)) = (at(row + 1, column), at(row + 1, column - 1)) {
-            mesh.triangles.push([a, b, c]);
-        }
-    }
+    let is_inside = |row: i32, column: i32| row.abs() <= 2 && column.abs() <= 2 && (row + column).abs() <= 2;
+    let mut mesh = lattice(|row, column, _| is_inside(row, column));
     mesh.greys = vec![0.0; mesh.positions.len()];
     mesh
 }

@@ -7,15 +7,16 @@ use crate::deform::paper::projection::{SLACK, bound};
 use crate::deform::paper::system::State;
 use crate::deform::settings::Model;
 
-/// A disc of an equilateral lattice, 60 mm across, light at the rim and heavy along x = 0, held at the bottom.
-fn disc() -> FlatMesh {
+/// The vertices of an equilateral lattice, 4 mm apart, at the rows, columns and places that `keeps` takes, and the triangles
+/// between them.
+pub(super) fn lattice(keeps: impl Fn(i32, i32, &DVec2) -> bool) -> FlatMesh {
     let pitch = 0.004;
     let mut numbers = BTreeMap::new();
     let mut mesh = FlatMesh::default();
     for row in -9i32..=9 {
         for column in -12i32..=12 {
             let place = DVec2::new(f64::from(column) + 0.5 * f64::from(row), f64::from(row) * 0.75f64.sqrt()) * pitch;
-            if place.norm() < 0.0301 {
+            if keeps(row, column, &place) {
                 numbers.insert((row, column), mesh.positions.len() as u32);
                 mesh.positions.push(place);
             }
@@ -30,6 +31,12 @@ fn disc() -> FlatMesh {
             mesh.triangles.push([a, b, c]);
         }
     }
+    mesh
+}
+
+/// A disc of the lattice, 60 mm across, light at the rim and heavy along x = 0, held at the bottom.
+fn disc() -> FlatMesh {
+    let mut mesh = lattice(|_, _, place| place.norm() < 0.0301);
     let grey = |p: &DVec2| if p.x.abs() < 0.002 { 255.0 } else { 255.0 * (1.0 - p.norm() / 0.031) };
     mesh.greys = mesh.positions.iter().map(grey).collect();
     mesh.uvs = mesh.positions.iter().map(|p| Vec2::new(p.x as f32, p.y as f32)).collect();
