@@ -23,6 +23,7 @@ mod samples;
 mod shade;
 mod shadow;
 mod simplify;
+mod surroundings;
 mod texture;
 mod tile;
 mod tone;

@@ -103,7 +103,7 @@ fn resolve<const S: usize>(
             let at = [(corner.x + x) as f32 + group.x / weight, (corner.y + y) as f32 + group.y / weight];
             let colour = match group.owner {
                 SKY => prepared.sky(at),
-                GROUND => shade::ground(prepared, at),
+                GROUND => prepared.ground(at),
                 owner => {
                     let found = seen[owner as usize];
                     shade::surface(prepared, &bins.items[found.item as usize], found.triangle, at)
