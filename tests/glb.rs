@@ -102,6 +102,7 @@ fn frame() -> Frame {
             width: 8,
             height: 8,
             samples: 1,
+            lod_error: 0.3,
             shadow_size: 0,
             exposure: 1.0,
             tone_map: ToneMap::None,

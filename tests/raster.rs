@@ -65,6 +65,7 @@ fn frame() -> Frame {
             width: WIDTH,
             height: HEIGHT,
             samples: 8,
+            lod_error: 0.3,
             shadow_size: 256,
             exposure: 1.0,
             tone_map: ToneMap::None,

@@ -43,6 +43,7 @@ pub fn frame() -> Frame {
             width: 1920,
             height: 1080,
             samples: 8,
+            lod_error: 0.3,
             shadow_size: 2048,
             exposure: 1.0,
             tone_map: ToneMap::Neutral,

@@ -18,6 +18,7 @@ pub(super) fn view(scene: &Scene, exposure: f32) -> View {
         width: scene.image.width,
         height: scene.image.height,
         samples: scene.image.samples,
+        lod_error: scene.image.lod_error as f32,
         shadow_size: scene.light.shadow_size,
         exposure,
         tone_map: match (scene.light.tone, scene.image.leaves) {

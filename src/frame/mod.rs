@@ -157,6 +157,8 @@ pub struct View {
     pub height: u32,
     /// Samples a pixel: 1, 4, 8 or 16.
     pub samples: u32,
+    /// Distance in pixels that a coarser mesh may lie from the full one where it stands; 0 for full meshes.
+    pub lod_error: f32,
     /// Pixels along one side of the sun's shadow map; 0 for no shadow.
     pub shadow_size: u32,
     /// Factor on radiance before tone mapping.

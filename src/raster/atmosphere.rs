@@ -5,6 +5,7 @@ use crate::base::maths::{expf, smooth_step};
 use crate::base::vector::Vec3;
 use crate::frame::Frame;
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 /// The 26 directions of a cube's faces, edges and corners with the weights that integrate polynomials up to degree 7 over
 /// the sphere (Lebedev 1976).
@@ -74,7 +75,7 @@ pub(super) struct Atmosphere {
 
 impl Atmosphere {
     /// Gathers sky, sun and ground of a frame.
-    pub(super) fn new(frame: &Frame, textures: &[MipMap]) -> Self {
+    pub(super) fn new(frame: &Frame, textures: &[Arc<MipMap>]) -> Self {
         let sun_height = frame.sun.direction.y.max(0.0);
         let sky_mean: [f32; 3] = std::array::from_fn(|k| frame.sky.zenith[k] * 0.5 + frame.sky.horizon[k] * 0.5);
         // Without a ground the horizon goes on below: a backdrop.

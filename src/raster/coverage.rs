@@ -1,7 +1,7 @@
 //! Which samples of a tile a triangle owns, and which of them it wins by depth.
 
 use super::samples::{SUBPIXEL, SUBPIXEL_BITS, pattern};
-use std::ops::{Add, BitOr, Mul, Sub};
+use std::ops::BitOr;
 
 /// Pixels along one side of a tile.
 pub(super) const SIDE: usize = 64;
@@ -23,6 +23,22 @@ pub(super) struct Vertex {
     pub nearness: f32,
 }
 
+/// A plane behind everything: its nearness over the tile, linear from the tile's upper left corner. Where that is not
+/// positive there is nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Background {
+    /// Nearness at the corner.
+    pub at: f32,
+    /// Its growth a pixel to the right.
+    pub right: f32,
+    /// Its growth a pixel down.
+    pub down: f32,
+    /// Who the plane is.
+    pub owner: u32,
+    /// Who stands where there is nothing.
+    pub beyond: u32,
+}
+
 /// What is nearest at every sample of a tile.
 #[derive(Clone, Debug)]
 pub(super) struct Nearest<const S: usize> {
@@ -36,29 +52,45 @@ pub(super) struct Nearest<const S: usize> {
     stale: u64,
 }
 
-/// An integer wide enough for a triangle's edge values.
-trait EdgeValue: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + BitOr<Output = Self> {
+/// An integer wide enough for a triangle's edge values. Its operations wrap, since checks for overflow keep loops from being
+/// vectorised; `Nearest::draw` picks a type in which nothing wraps.
+trait EdgeValue: Copy + BitOr<Output = Self> {
     fn from_i32(value: i32) -> Self;
+    fn plus(self, other: Self) -> Self;
+    fn minus(self, other: Self) -> Self;
+    fn times(self, other: Self) -> Self;
     fn is_negative(self) -> bool;
 }
 
-impl EdgeValue for i32 {
-    fn from_i32(value: i32) -> Self {
-        value
-    }
-    fn is_negative(self) -> bool {
-        self < 0
-    }
+macro_rules! edge_value {
+    ($integer:ty) => {
+        impl EdgeValue for $integer {
+            #[inline(always)]
+            fn from_i32(value: i32) -> Self {
+                Self::from(value)
+            }
+            #[inline(always)]
+            fn plus(self, other: Self) -> Self {
+                self.wrapping_add(other)
+            }
+            #[inline(always)]
+            fn minus(self, other: Self) -> Self {
+                self.wrapping_sub(other)
+            }
+            #[inline(always)]
+            fn times(self, other: Self) -> Self {
+                self.wrapping_mul(other)
+            }
+            #[inline(always)]
+            fn is_negative(self) -> bool {
+                self < 0
+            }
+        }
+    };
 }
 
-impl EdgeValue for i64 {
-    fn from_i32(value: i32) -> Self {
-        Self::from(value)
-    }
-    fn is_negative(self) -> bool {
-        self < 0
-    }
-}
+edge_value!(i32);
+edge_value!(i64);
 
 /// The triangle's edges as functions that are not negative inside, at one pixel's corner, with their steps.
 struct Edges<E, const S: usize> {
@@ -78,22 +110,51 @@ struct Plane<const S: usize> {
     high: f32,
 }
 
+/// Twice the area of a triangle, positive where y points down and it winds clockwise as seen.
+#[inline(always)]
+pub(super) fn doubled_area([a, b, c]: &[Vertex; 3]) -> i64 {
+    let side = |from: &Vertex, to: &Vertex| {
+        [to.x.wrapping_sub(from.x), to.y.wrapping_sub(from.y)].map(|difference| i64::from(difference))
+    };
+    let ([bx, by], [cx, cy]) = (side(a, b), side(a, c));
+    bx.wrapping_mul(cy).wrapping_sub(cx.wrapping_mul(by))
+}
+
 impl<const S: usize> Nearest<S> {
-    /// A tile in which `owner` stands everywhere at the nearness given for each sample's position in pixels.
-    pub(super) fn new(background: impl Fn(f32, f32) -> (f32, u32)) -> Self {
-        let pattern = pattern::<S>();
-        let mut nearness = Vec::with_capacity(SIDE * SIDE);
-        let mut owner = Vec::with_capacity(SIDE * SIDE);
-        for (y, x) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (y, x))) {
-            let at = |s: usize| {
-                let [sx, sy] = pattern[s].map(|step| step as f32 / SUBPIXEL as f32);
-                background(x as f32 + sx, y as f32 + sy)
-            };
-            let values: [(f32, u32); S] = std::array::from_fn(at);
-            nearness.push(values.map(|v| v.0));
-            owner.push(values.map(|v| v.1));
+    /// A tile's memory, filled by `clear`.
+    pub(super) fn new() -> Self {
+        Self {
+            nearness: vec![[0.0; S]; SIDE * SIDE],
+            owner: vec![[0; S]; SIDE * SIDE],
+            pattern: pattern::<S>(),
+            farthest: [0.0; BLOCKS * BLOCKS],
+            stale: u64::MAX,
         }
-        Self { nearness, owner, pattern, farthest: [0.0; BLOCKS * BLOCKS], stale: u64::MAX }
+    }
+
+    /// Puts a background into the tile, which stands at every sample with the nearness and the owner that it has there.
+    pub(super) fn clear(&mut self, background: &Background) {
+        for y in 0..SIDE {
+            for x in 0..SIDE {
+                let (nearness, owner) = (&mut self.nearness[y * SIDE + x], &mut self.owner[y * SIDE + x]);
+                let corner = background.at + background.right * x as f32 + background.down * y as f32;
+                for s in 0..S {
+                    let [sx, sy] = self.pattern[s].map(|step| step as f32 * (1.0 / SUBPIXEL as f32));
+                    let value = corner + background.right * sx + background.down * sy;
+                    let below = value > 0.0;
+                    nearness[s] = if below { value } else { 0.0 };
+                    owner[s] = if below { background.owner } else { background.beyond };
+                }
+            }
+        }
+        self.stale = u64::MAX;
+    }
+
+    /// Puts `owner` at one nearness into the whole tile.
+    pub(super) fn fill(&mut self, nearness: f32, owner: u32) {
+        self.nearness.fill([nearness; S]);
+        self.owner.fill([owner; S]);
+        self.stale = u64::MAX;
     }
 
     /// Whether something no nearer than `nearness` would be hidden everywhere in a box of pixels (left, top, right,
@@ -121,6 +182,7 @@ impl<const S: usize> Nearest<S> {
     }
 
     /// Draws a triangle of either winding; says whether it won a sample.
+    #[inline(always)]
     pub(super) fn draw(&mut self, triangle: [Vertex; 3], owner: u32) -> bool {
         let [a, b, c] = triangle;
         let low_x = a.x.min(b.x).min(c.x);
@@ -135,7 +197,7 @@ impl<const S: usize> Nearest<S> {
         if left > right || top > bottom {
             return false;
         }
-        let doubled_area = i64::from(b.x - a.x) * i64::from(c.y - a.y) - i64::from(c.x - a.x) * i64::from(b.y - a.y);
+        let doubled_area = doubled_area(&triangle);
         if doubled_area == 0 {
             return false;
         }
@@ -144,12 +206,13 @@ impl<const S: usize> Nearest<S> {
         let plane = self.plane(&positive, doubled_area.abs() as f32, bounds);
         let narrow = NARROW * SUBPIXEL;
         if high_x - low_x <= narrow && high_y - low_y <= narrow {
-            self.fill::<i32>(&positive, &plane, bounds, owner)
+            self.contest_pixels::<i32>(&positive, &plane, bounds, owner)
         } else {
-            self.fill::<i64>(&positive, &plane, bounds, owner)
+            self.contest_pixels::<i64>(&positive, &plane, bounds, owner)
         }
     }
 
+    #[inline(always)]
     fn plane(&self, [a, b, c]: &[Vertex; 3], doubled_area: f32, bounds: [usize; 4]) -> Plane<S> {
         let (bx, by) = ((b.x - a.x) as f32, (b.y - a.y) as f32);
         let (cx, cy) = ((c.x - a.x) as f32, (c.y - a.y) as f32);
@@ -158,37 +221,52 @@ impl<const S: usize> Nearest<S> {
         let down = (cz * bx - bz * cx) / doubled_area;
         let x = bounds[0] as i32 * SUBPIXEL - a.x;
         let y = bounds[1] as i32 * SUBPIXEL - a.y;
+        let mut samples = [0.0; S];
+        for s in 0..S {
+            samples[s] = right * self.pattern[s][0] as f32 + down * self.pattern[s][1] as f32;
+        }
         Plane {
             at: a.nearness + right * x as f32 + down * y as f32,
             right: right * SUBPIXEL as f32,
             down: down * SUBPIXEL as f32,
-            samples: std::array::from_fn(|s| right * self.pattern[s][0] as f32 + down * self.pattern[s][1] as f32),
+            samples,
             low: a.nearness.min(b.nearness).min(c.nearness),
             high: a.nearness.max(b.nearness).max(c.nearness),
         }
     }
 
+    #[inline(always)]
     fn edges<E: EdgeValue>(&self, triangle: &[Vertex; 3], bounds: [usize; 4]) -> Edges<E, S> {
         let zero = E::from_i32(0);
         let mut edges = Edges { at: [zero; 3], right: [zero; 3], down: [zero; 3], samples: [[zero; S]; 3] };
         for k in 0..3 {
             let (from, to) = (triangle[k], triangle[(k + 1) % 3]);
-            let (dx, dy) = (to.x - from.x, to.y - from.y);
+            let (dx, dy) = (to.x.wrapping_sub(from.x), to.y.wrapping_sub(from.y));
             // Top-left rule: a sample on an edge belongs to the triangle whose top or left edge it is.
             let owns = dy < 0 || (dy == 0 && dx > 0);
             let bias = E::from_i32(i32::from(!owns));
             let (dx, dy) = (E::from_i32(dx), E::from_i32(dy));
-            let x = E::from_i32(bounds[0] as i32 * SUBPIXEL - from.x);
-            let y = E::from_i32(bounds[1] as i32 * SUBPIXEL - from.y);
-            edges.at[k] = dx * y - dy * x - bias;
-            edges.right[k] = zero - dy * E::from_i32(SUBPIXEL);
-            edges.down[k] = dx * E::from_i32(SUBPIXEL);
-            edges.samples[k] = self.pattern.map(|[sx, sy]| dx * E::from_i32(sy) - dy * E::from_i32(sx));
+            let x = E::from_i32((bounds[0] as i32 * SUBPIXEL).wrapping_sub(from.x));
+            let y = E::from_i32((bounds[1] as i32 * SUBPIXEL).wrapping_sub(from.y));
+            edges.at[k] = dx.times(y).minus(dy.times(x)).minus(bias);
+            edges.right[k] = zero.minus(dy.times(E::from_i32(SUBPIXEL)));
+            edges.down[k] = dx.times(E::from_i32(SUBPIXEL));
+            for s in 0..S {
+                let [sx, sy] = self.pattern[s];
+                edges.samples[k][s] = dx.times(E::from_i32(sy)).minus(dy.times(E::from_i32(sx)));
+            }
         }
         edges
     }
 
-    fn fill<E: EdgeValue>(&mut self, triangle: &[Vertex; 3], plane: &Plane<S>, bounds: [usize; 4], owner: u32) -> bool {
+    #[inline(always)]
+    fn contest_pixels<E: EdgeValue>(
+        &mut self,
+        triangle: &[Vertex; 3],
+        plane: &Plane<S>,
+        bounds: [usize; 4],
+        owner: u32,
+    ) -> bool {
         let edges = self.edges::<E>(triangle, bounds);
         let [left, top, right, bottom] = bounds;
         let mut row_at = edges.at;
@@ -203,17 +281,17 @@ impl<const S: usize> Nearest<S> {
                     won = true;
                     self.stale |= 1 << (y / BLOCK * BLOCKS + x / BLOCK);
                 }
-                at = std::array::from_fn(|k| at[k] + edges.right[k]);
+                at = std::array::from_fn(|k| at[k].plus(edges.right[k]));
                 nearness += plane.right;
             }
-            row_at = std::array::from_fn(|k| row_at[k] + edges.down[k]);
+            row_at = std::array::from_fn(|k| row_at[k].plus(edges.down[k]));
             row_nearness += plane.down;
         }
         won
     }
 
     /// One pixel: the samples inside all edges and nearer than what stood there change hands.
-    #[inline]
+    #[inline(always)]
     fn contest<E: EdgeValue>(
         &mut self,
         place: usize,
@@ -227,7 +305,8 @@ impl<const S: usize> Nearest<S> {
         let owners = &mut self.owner[place];
         let mut won = false;
         for s in 0..S {
-            let inside = (at[0] + edges.samples[0][s]) | (at[1] + edges.samples[1][s]) | (at[2] + edges.samples[2][s]);
+            let edge = |k: usize| at[k].plus(edges.samples[k][s]);
+            let inside = edge(0) | edge(1) | edge(2);
             let value = nearness + plane.samples[s];
             let value = if value < plane.low { plane.low } else { value };
             let value = if value > plane.high { plane.high } else { value };
@@ -258,7 +337,7 @@ mod tests {
             ((3.0, 5.0), (40.5, 5.0), (40.5, 33.25), (3.0, 33.25)),
             ((-90.0, -80.0), (200.0, -80.0), (200.0, 190.0), (-90.0, 190.0)),
         ] {
-            let mut tile = Nearest::<8>::new(|_, _| (0.0, 0));
+            let mut tile = Nearest::<8>::new();
             let [a, b, c, d] = [a, b, c, d].map(|(x, y)| vertex(x, y, 1.0));
             assert!(tile.draw([a, b, c], 1));
             assert!(tile.draw([a, d, c], 2));
@@ -280,7 +359,7 @@ mod tests {
         let far = [vertex(0.0, 0.0, 1.0), vertex(64.0, 0.0, 1.0), vertex(0.0, 64.0, 1.0)];
         let near = far.map(|v| Vertex { nearness: 2.0, ..v });
         for order in [[(far, 1), (near, 2)], [(near, 2), (far, 1)]] {
-            let mut tile = Nearest::<4>::new(|_, _| (0.0, 0));
+            let mut tile = Nearest::<4>::new();
             for (triangle, owner) in order {
                 tile.draw(triangle, owner);
             }
@@ -291,7 +370,7 @@ mod tests {
 
     #[test]
     fn area_is_covered_to_a_thousandth() {
-        let mut tile = Nearest::<16>::new(|_, _| (0.0, 0));
+        let mut tile = Nearest::<16>::new();
         tile.draw([vertex(2.3, 1.7, 1.0), vertex(61.1, 12.9, 1.0), vertex(20.4, 60.6, 1.0)], 1);
         let area = ((61.1f64 - 2.3) * (60.6 - 1.7) - (20.4 - 2.3) * (12.9 - 1.7)) / 2.0;
         let measured = count(&tile, 1) as f64 / 16.0;
@@ -300,7 +379,7 @@ mod tests {
 
     #[test]
     fn slanted_planes_interpolate_their_nearness() {
-        let mut tile = Nearest::<1>::new(|_, _| (0.0, 0));
+        let mut tile = Nearest::<1>::new();
         tile.draw([vertex(0.0, 0.0, 0.0), vertex(64.0, 0.0, 64.0), vertex(0.0, 64.0, 0.0)], 1);
         let at = tile.nearness[10 * SIDE + 20][0];
         assert!((at - 20.5).abs() < 1e-3, "{at}");
@@ -308,7 +387,7 @@ mod tests {
 
     #[test]
     fn what_is_behind_a_full_block_is_hidden() {
-        let mut tile = Nearest::<8>::new(|_, _| (0.0, 0));
+        let mut tile = Nearest::<8>::new();
         assert!(!tile.hides([0, 0, 15, 15], 1.0));
         tile.draw([vertex(-70.0, -70.0, 2.0), vertex(90.0, -70.0, 2.0), vertex(-70.0, 90.0, 2.0)], 1);
         assert!(tile.hides([0, 0, 7, 7], 1.0));
@@ -318,7 +397,7 @@ mod tests {
 
     #[test]
     fn degenerate_triangles_draw_nothing() {
-        let mut tile = Nearest::<8>::new(|_, _| (0.0, 0));
+        let mut tile = Nearest::<8>::new();
         let line = [vertex(1.0, 1.0, 1.0), vertex(9.0, 9.0, 1.0), vertex(5.0, 5.0, 1.0)];
         assert!(!tile.draw(line, 1));
     }

@@ -30,6 +30,8 @@ settings! {
         columns: u32 = 0, range 0 => 100;
         /// Samples in each pixel: 1, 4, 8 or 16.
         samples: u32 = 8, range 1 => 16;
+        /// Distance that a coarser mesh may lie from the full one where it stands; 0 draws full meshes.
+        lod_error: f64 = 0.3, unit "px", range 0.0 => 100.0;
         /// What leaves show; all but "lit" are charts that no light changes.
         leaves: Leaves = Leaves::Lit;
         /// Width of lines over the edges of every triangle; 0 for none.
