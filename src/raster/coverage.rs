@@ -1,6 +1,8 @@
 //! Which samples of a tile a triangle owns, and which of them it wins by depth.
 
 use super::samples::{SUBPIXEL, SUBPIXEL_BITS, pattern};
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, i32x8, u32x8};
 use std::ops::BitOr;
 
 /// Pixels along one side of a tile.
@@ -46,7 +48,10 @@ pub(super) struct Nearest<const S: usize> {
     pub nearness: Vec<[f32; S]>,
     /// Who it belongs to.
     pub owner: Vec<[u32; S]>,
-    pattern: [[i32; 2]; S],
+    /// Where the samples lie in a pixel, 1/256 pixels to the right and down.
+    pattern: [[i32; S]; 2],
+    /// Width of a pixel's rim in which no sample lies.
+    margin: i32,
     /// The smallest nearness in each block, when its bit in `stale` is clear.
     farthest: [f32; BLOCKS * BLOCKS],
     stale: u64,
@@ -55,6 +60,16 @@ pub(super) struct Nearest<const S: usize> {
 /// An integer wide enough for a triangle's edge values. Its operations wrap, since checks for overflow keep loops from being
 /// vectorised; `Nearest::draw` picks a type in which nothing wraps.
 trait EdgeValue: Copy + BitOr<Output = Self> {
+    /// The samples of a pixel that are inside all edges and nearer than what stood there change hands; says whether any did.
+    fn contest<W: Simd, const S: usize>(
+        simd: W,
+        pixel: Pixel<'_, S>,
+        edges: &Edges<Self, S>,
+        at: [Self; 3],
+        plane: &Plane<S>,
+        nearness: f32,
+        owner: u32,
+    ) -> bool;
     fn from_i32(value: i32) -> Self;
     fn plus(self, other: Self) -> Self;
     fn minus(self, other: Self) -> Self;
@@ -63,8 +78,20 @@ trait EdgeValue: Copy + BitOr<Output = Self> {
 }
 
 macro_rules! edge_value {
-    ($integer:ty) => {
+    ($integer:ty, $lanes:expr) => {
         impl EdgeValue for $integer {
+            #[inline(always)]
+            fn contest<W: Simd, const S: usize>(
+                simd: W,
+                mut pixel: Pixel<'_, S>,
+                edges: &Edges<Self, S>,
+                at: [Self; 3],
+                plane: &Plane<S>,
+                nearness: f32,
+                owner: u32,
+            ) -> bool {
+                $lanes(simd, &mut pixel, edges, at, plane, nearness, owner)
+            }
             #[inline(always)]
             fn from_i32(value: i32) -> Self {
                 Self::from(value)
@@ -89,8 +116,45 @@ macro_rules! edge_value {
     };
 }
 
-edge_value!(i32);
-edge_value!(i64);
+edge_value!(i32, contest_in_lanes);
+edge_value!(i64, contest_one_by_one);
+
+#[inline(always)]
+fn contest_in_lanes<W: Simd, const S: usize>(
+    simd: W,
+    pixel: &mut Pixel<'_, S>,
+    edges: &Edges<i32, S>,
+    at: [i32; 3],
+    plane: &Plane<S>,
+    nearness: f32,
+    owner: u32,
+) -> bool {
+    if S < 8 {
+        return contest_one_by_one(simd, pixel, edges, at, plane, nearness, owner);
+    }
+    let mut won = false;
+    for from in (0..S).step_by(8) {
+        won |= contest_eight(simd, from, pixel, edges, at, plane, nearness, owner);
+    }
+    won
+}
+
+#[inline(always)]
+fn contest_one_by_one<W: Simd, E: EdgeValue, const S: usize>(
+    _: W,
+    pixel: &mut Pixel<'_, S>,
+    edges: &Edges<E, S>,
+    at: [E; 3],
+    plane: &Plane<S>,
+    nearness: f32,
+    owner: u32,
+) -> bool {
+    let mut won = false;
+    for s in 0..S {
+        won |= contest_sample(s, pixel, edges, at, plane, nearness, owner);
+    }
+    won
+}
 
 /// The triangle's edges as functions that are not negative inside, at one pixel's corner, with their steps.
 struct Edges<E, const S: usize> {
@@ -110,6 +174,12 @@ struct Plane<const S: usize> {
     high: f32,
 }
 
+/// The widest rim of a pixel in which no sample lies.
+fn margin<const S: usize>(pattern: &[[i32; 2]; S]) -> i32 {
+    let rim = |place: i32| place.min(SUBPIXEL - 1 - place);
+    pattern.iter().flatten().map(|&place| rim(place)).min().unwrap_or(0)
+}
+
 /// Twice the area of a triangle, positive where y points down and it winds clockwise as seen.
 #[inline(always)]
 pub(super) fn doubled_area([a, b, c]: &[Vertex; 3]) -> i64 {
@@ -126,7 +196,8 @@ impl<const S: usize> Nearest<S> {
         Self {
             nearness: vec![[0.0; S]; SIDE * SIDE],
             owner: vec![[0; S]; SIDE * SIDE],
-            pattern: pattern::<S>(),
+            pattern: [0, 1].map(|axis| pattern::<S>().map(|place| place[axis])),
+            margin: margin(&pattern::<S>()),
             farthest: [0.0; BLOCKS * BLOCKS],
             stale: u64::MAX,
         }
@@ -139,7 +210,7 @@ impl<const S: usize> Nearest<S> {
                 let (nearness, owner) = (&mut self.nearness[y * SIDE + x], &mut self.owner[y * SIDE + x]);
                 let corner = background.at + background.right * x as f32 + background.down * y as f32;
                 for s in 0..S {
-                    let [sx, sy] = self.pattern[s].map(|step| step as f32 * (1.0 / SUBPIXEL as f32));
+                    let [sx, sy] = [0, 1].map(|axis| self.pattern[axis][s] as f32 * (1.0 / SUBPIXEL as f32));
                     let value = corner + background.right * sx + background.down * sy;
                     let below = value > 0.0;
                     nearness[s] = if below { value } else { 0.0 };
@@ -147,6 +218,7 @@ impl<const S: usize> Nearest<S> {
                 }
             }
         }
+        self.farthest.fill(f32::MIN);
         self.stale = u64::MAX;
     }
 
@@ -154,6 +226,7 @@ impl<const S: usize> Nearest<S> {
     pub(super) fn fill(&mut self, nearness: f32, owner: u32) {
         self.nearness.fill([nearness; S]);
         self.owner.fill([owner; S]);
+        self.farthest.fill(f32::MIN);
         self.stale = u64::MAX;
     }
 
@@ -162,6 +235,14 @@ impl<const S: usize> Nearest<S> {
     pub(super) fn hides(&mut self, bounds: [usize; 4], nearness: f32) -> bool {
         let [left, top, right, bottom] = bounds.map(|edge| edge / BLOCK);
         (top..=bottom).all(|row| (left..=right).all(|column| self.block_farthest(row * BLOCKS + column) > nearness))
+    }
+
+    /// Whether a box of pixels in one block lies behind the nearness that all of the block had when it was last looked at;
+    /// since then it can only have come nearer.
+    #[inline(always)]
+    fn is_known_to_hide(&self, bounds: [usize; 4], nearness: f32) -> bool {
+        let [left, top, right, bottom] = bounds.map(|edge| edge / BLOCK);
+        left == right && top == bottom && self.farthest[top * BLOCKS + left] >= nearness
     }
 
     fn block_farthest(&mut self, block: usize) -> f32 {
@@ -183,17 +264,19 @@ impl<const S: usize> Nearest<S> {
 
     /// Draws a triangle of either winding; says whether it won a sample.
     #[inline(always)]
-    pub(super) fn draw(&mut self, triangle: [Vertex; 3], owner: u32) -> bool {
+    pub(super) fn draw<W: Simd>(&mut self, simd: W, triangle: [Vertex; 3], owner: u32) -> bool {
         let [a, b, c] = triangle;
         let low_x = a.x.min(b.x).min(c.x);
         let high_x = a.x.max(b.x).max(c.x);
         let low_y = a.y.min(b.y).min(c.y);
         let high_y = a.y.max(b.y).max(c.y);
+        // No sample lies within `margin` of a pixel's sides.
         let last = SIDE as i32 - 1;
-        let left = (low_x >> SUBPIXEL_BITS).max(0);
-        let right = (high_x >> SUBPIXEL_BITS).min(last);
-        let top = (low_y >> SUBPIXEL_BITS).max(0);
-        let bottom = (high_y >> SUBPIXEL_BITS).min(last);
+        let first = |low: i32| (low.wrapping_add(self.margin) >> SUBPIXEL_BITS).max(0);
+        let left = first(low_x);
+        let top = first(low_y);
+        let right = (high_x.wrapping_sub(self.margin) >> SUBPIXEL_BITS).min(last);
+        let bottom = (high_y.wrapping_sub(self.margin) >> SUBPIXEL_BITS).min(last);
         if left > right || top > bottom {
             return false;
         }
@@ -203,27 +286,32 @@ impl<const S: usize> Nearest<S> {
         }
         let positive = if doubled_area > 0 { [a, b, c] } else { [a, c, b] };
         let bounds = [left, top, right, bottom].map(|edge| edge as usize);
+        let high = a.nearness.max(b.nearness).max(c.nearness);
+        if self.is_known_to_hide(bounds, high) {
+            return false;
+        }
         let plane = self.plane(&positive, doubled_area.abs() as f32, bounds);
         let narrow = NARROW * SUBPIXEL;
-        if high_x - low_x <= narrow && high_y - low_y <= narrow {
-            self.contest_pixels::<i32>(&positive, &plane, bounds, owner)
+        if high_x.wrapping_sub(low_x) <= narrow && high_y.wrapping_sub(low_y) <= narrow {
+            self.contest_pixels::<W, i32>(simd, &positive, &plane, bounds, owner)
         } else {
-            self.contest_pixels::<i64>(&positive, &plane, bounds, owner)
+            self.contest_pixels::<W, i64>(simd, &positive, &plane, bounds, owner)
         }
     }
 
     #[inline(always)]
     fn plane(&self, [a, b, c]: &[Vertex; 3], doubled_area: f32, bounds: [usize; 4]) -> Plane<S> {
-        let (bx, by) = ((b.x - a.x) as f32, (b.y - a.y) as f32);
-        let (cx, cy) = ((c.x - a.x) as f32, (c.y - a.y) as f32);
+        let (bx, by) = (b.x.wrapping_sub(a.x) as f32, b.y.wrapping_sub(a.y) as f32);
+        let (cx, cy) = (c.x.wrapping_sub(a.x) as f32, c.y.wrapping_sub(a.y) as f32);
         let (bz, cz) = (b.nearness - a.nearness, c.nearness - a.nearness);
-        let right = (bz * cy - cz * by) / doubled_area;
-        let down = (cz * bx - bz * cx) / doubled_area;
-        let x = bounds[0] as i32 * SUBPIXEL - a.x;
-        let y = bounds[1] as i32 * SUBPIXEL - a.y;
+        let share = 1.0 / doubled_area;
+        let right = (bz * cy - cz * by) * share;
+        let down = (cz * bx - bz * cx) * share;
+        let x = (bounds[0] as i32 * SUBPIXEL).wrapping_sub(a.x);
+        let y = (bounds[1] as i32 * SUBPIXEL).wrapping_sub(a.y);
         let mut samples = [0.0; S];
         for s in 0..S {
-            samples[s] = right * self.pattern[s][0] as f32 + down * self.pattern[s][1] as f32;
+            samples[s] = right * self.pattern[0][s] as f32 + down * self.pattern[1][s] as f32;
         }
         Plane {
             at: a.nearness + right * x as f32 + down * y as f32,
@@ -252,16 +340,17 @@ impl<const S: usize> Nearest<S> {
             edges.right[k] = zero.minus(dy.times(E::from_i32(SUBPIXEL)));
             edges.down[k] = dx.times(E::from_i32(SUBPIXEL));
             for s in 0..S {
-                let [sx, sy] = self.pattern[s];
-                edges.samples[k][s] = dx.times(E::from_i32(sy)).minus(dy.times(E::from_i32(sx)));
+                let [sx, sy] = [0, 1].map(|axis| E::from_i32(self.pattern[axis][s]));
+                edges.samples[k][s] = dx.times(sy).minus(dy.times(sx));
             }
         }
         edges
     }
 
     #[inline(always)]
-    fn contest_pixels<E: EdgeValue>(
+    fn contest_pixels<W: Simd, E: EdgeValue>(
         &mut self,
+        simd: W,
         triangle: &[Vertex; 3],
         plane: &Plane<S>,
         bounds: [usize; 4],
@@ -277,7 +366,8 @@ impl<const S: usize> Nearest<S> {
             let mut nearness = row_nearness;
             for x in left..=right {
                 let place = y * SIDE + x;
-                if self.contest(place, &edges, at, plane, nearness, owner) {
+                let pixel = Pixel { nearness: &mut self.nearness[place], owner: &mut self.owner[place] };
+                if E::contest(simd, pixel, &edges, at, plane, nearness, owner) {
                     won = true;
                     self.stale |= 1 << (y / BLOCK * BLOCKS + x / BLOCK);
                 }
@@ -289,34 +379,65 @@ impl<const S: usize> Nearest<S> {
         }
         won
     }
+}
 
-    /// One pixel: the samples inside all edges and nearer than what stood there change hands.
-    #[inline(always)]
-    fn contest<E: EdgeValue>(
-        &mut self,
-        place: usize,
-        edges: &Edges<E, S>,
-        at: [E; 3],
-        plane: &Plane<S>,
-        nearness: f32,
-        owner: u32,
-    ) -> bool {
-        let stored = &mut self.nearness[place];
-        let owners = &mut self.owner[place];
-        let mut won = false;
-        for s in 0..S {
-            let edge = |k: usize| at[k].plus(edges.samples[k][s]);
-            let inside = edge(0) | edge(1) | edge(2);
-            let value = nearness + plane.samples[s];
-            let value = if value < plane.low { plane.low } else { value };
-            let value = if value > plane.high { plane.high } else { value };
-            let wins = !inside.is_negative() & (value > stored[s]);
-            stored[s] = if wins { value } else { stored[s] };
-            owners[s] = if wins { owner } else { owners[s] };
-            won |= wins;
-        }
-        won
+/// The samples of a pixel.
+struct Pixel<'a, const S: usize> {
+    nearness: &'a mut [f32; S],
+    owner: &'a mut [u32; S],
+}
+
+/// Sample `s` of a pixel: if it is inside all edges and nearer than what stood there it changes hands.
+#[inline(always)]
+fn contest_sample<E: EdgeValue, const S: usize>(
+    s: usize,
+    pixel: &mut Pixel<'_, S>,
+    edges: &Edges<E, S>,
+    at: [E; 3],
+    plane: &Plane<S>,
+    nearness: f32,
+    owner: u32,
+) -> bool {
+    let edge = |k: usize| at[k].plus(edges.samples[k][s]);
+    let value = nearness + plane.samples[s];
+    let value = if value < plane.low { plane.low } else { value };
+    let value = if value > plane.high { plane.high } else { value };
+    let wins = !(edge(0) | edge(1) | edge(2)).is_negative() && value > pixel.nearness[s];
+    if wins {
+        pixel.nearness[s] = value;
+        pixel.owner[s] = owner;
     }
+    wins
+}
+
+/// Samples `from` to `from` + 8 of a pixel at once, with the same operations in the same order as one by one.
+#[inline(always)]
+fn contest_eight<W: Simd, const S: usize>(
+    simd: W,
+    from: usize,
+    pixel: &mut Pixel<'_, S>,
+    edges: &Edges<i32, S>,
+    at: [i32; 3],
+    plane: &Plane<S>,
+    nearness: f32,
+    owner: u32,
+) -> bool {
+    let part = from..from + 8;
+    let edge = |k: usize| i32x8::from_slice(simd, &edges.samples[k][part.clone()]) + i32x8::splat(simd, at[k]);
+    let outside = edge(0) | edge(1) | edge(2);
+    let value = f32x8::from_slice(simd, &plane.samples[part.clone()]) + f32x8::splat(simd, nearness);
+    let (low, high) = (f32x8::splat(simd, plane.low), f32x8::splat(simd, plane.high));
+    let value = value.simd_lt(low).select(low, value);
+    let value = value.simd_gt(high).select(high, value);
+    let stored = f32x8::from_slice(simd, &pixel.nearness[part.clone()]);
+    let wins = outside.simd_ge(i32x8::splat(simd, 0)) & value.simd_gt(stored);
+    if wins.any_false() && !wins.any_true() {
+        return false;
+    }
+    wins.select(value, stored).store_slice(&mut pixel.nearness[part.clone()]);
+    let owners = u32x8::from_slice(simd, &pixel.owner[part.clone()]);
+    wins.select(u32x8::splat(simd, owner), owners).store_slice(&mut pixel.owner[part]);
+    true
 }
 
 #[cfg(test)]

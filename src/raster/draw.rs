@@ -72,12 +72,13 @@ pub(super) fn cluster<const S: usize>(
 ) {
     dispatch!(Level::new(), simd => simd.vectorize(
         #[inline(always)]
-        || compute(nearest, scratch, placed, corner, first_owner)
+        || compute(simd, nearest, scratch, placed, corner, first_owner)
     ));
 }
 
 #[inline(always)]
-fn compute<const S: usize>(
+fn compute<W: Simd, const S: usize>(
+    simd: W,
     nearest: &mut Nearest<S>,
     scratch: &mut Scratch,
     placed: Placed<'_>,
@@ -99,7 +100,7 @@ fn compute<const S: usize>(
         vertices.clear();
         vertices.extend(mapped.iter().map(|&point| corner.vertex(projection.screen(point))));
         for (number, triangle) in cluster.triangles.iter().enumerate() {
-            contest(nearest, won, triangle.map(|v| vertices[usize::from(v)]), (number, first_owner), two_sided);
+            contest(simd, nearest, won, triangle.map(|v| vertices[usize::from(v)]), (number, first_owner), two_sided);
         }
         return;
     }
@@ -107,14 +108,15 @@ fn compute<const S: usize>(
         let polygon = clipped(triangle.map(|v| mapped[usize::from(v)]), near, far);
         for k in 1..polygon.len().saturating_sub(1) {
             let part = [polygon[0], polygon[k], polygon[k + 1]].map(|p| corner.vertex(projection.screen(p)));
-            contest(nearest, won, part, (number, first_owner), two_sided);
+            contest(simd, nearest, won, part, (number, first_owner), two_sided);
         }
     }
 }
 
 /// Draws a triangle and lists it if it wins a sample.
 #[inline(always)]
-fn contest<const S: usize>(
+fn contest<W: Simd, const S: usize>(
+    simd: W,
     nearest: &mut Nearest<S>,
     won: &mut Vec<u16>,
     triangle: [Vertex; 3],
@@ -122,7 +124,7 @@ fn contest<const S: usize>(
     two_sided: bool,
 ) {
     let owner = first_owner.wrapping_add(won.len() as u32);
-    if (two_sided || doubled_area(&triangle) < 0) && nearest.draw(triangle, owner) {
+    if (two_sided || doubled_area(&triangle) < 0) && nearest.draw(simd, triangle, owner) {
         won.push(number as u16);
     }
 }
