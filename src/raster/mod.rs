@@ -23,6 +23,7 @@ mod samples;
 mod shade;
 mod shadow;
 mod simplify;
+mod sky;
 mod surroundings;
 mod texture;
 mod tile;
@@ -71,7 +72,7 @@ pub fn draw(frame: &Frame) -> (Picture, Figures) {
     let atmosphere = Atmosphere::new(frame, &textures);
     let canopy = Canopy::new(frame, &meshes, &textures, &atmosphere);
     let shadow = ShadowMap::new(frame, &meshes);
-    let tone = Tone::new(view.tone_map);
+    let tone = Tone::new(&view);
     let cover = frame.ground.iter().flat_map(|ground| &ground.cover);
     let instances: Vec<Instance> = frame.instances.iter().chain(cover).copied().collect();
     let prepared = Prepared { frame, instances, meshes, textures, atmosphere, canopy, shadow, projection, tone };
@@ -97,9 +98,12 @@ pub fn draw(frame: &Frame) -> (Picture, Figures) {
     (picture, figures)
 }
 
-/// The frame's textures, made ready; those that a material takes its relief from as normals.
+/// The frame's textures, made ready; those that hold plain numbers as such.
 fn mip_maps(frame: &Frame) -> Vec<MipMap> {
-    let reliefs: BTreeSet<u32> = frame.materials.iter().filter_map(|material| material.relief).collect();
+    let of_wood = frame.ground.iter().filter_map(|ground| ground.wood).flat_map(|wood| [wood.form, wood.crowns]);
+    let of_sky = frame.sky.clouds.iter().map(|clouds| clouds.texture);
+    let plain = frame.materials.iter().filter_map(|material| material.relief).chain(of_wood).chain(of_sky);
+    let reliefs: BTreeSet<u32> = plain.collect();
     let made = |(number, texture): (usize, &Arc<Texture>)| {
         if reliefs.contains(&(number as u32)) { MipMap::of_normals(texture) } else { MipMap::new(texture) }
     };

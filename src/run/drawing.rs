@@ -11,7 +11,7 @@ use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault};
 use crate::base::figures::Figures;
 use crate::base::picture::Picture;
 use crate::compose::contact_sheet::Sheet;
-use crate::compose::{Falls, Garment, Stock, picture_inset};
+use crate::compose::{self, Falls, Garment, Stock, picture_inset};
 use crate::export;
 use crate::fall::Counts;
 use crate::frame::Frame;
@@ -194,7 +194,8 @@ impl<'a> Run<'a> {
             let frame = timed(&mut self.report, "compose", || {
                 let trees = stock.frame(scene, stand, &worn);
                 let leaf = (scene.camera.subject == Subject::Leaf).then(|| stock.specimen(scene, &worn, &trees));
-                let frame = leaf.flatten().unwrap_or(trees);
+                let mut frame = leaf.flatten().unwrap_or(trees);
+                frame.camera = compose::turned(scene, index, frame.camera);
                 let instances = frame.instances.len() as u64;
                 Ok::<_, Diagnostics>((frame, Figures::of(instances)))
             })?;
