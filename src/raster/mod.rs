@@ -24,6 +24,7 @@ mod samples;
 mod shade;
 mod shadow;
 mod simplify;
+mod sky;
 mod surroundings;
 mod texture;
 mod tile;
@@ -83,7 +84,7 @@ impl Renderer {
         let atmosphere = Atmosphere::new(frame, &textures);
         let canopy = Canopy::new(frame, &meshes, &textures, &atmosphere);
         let shadow = ShadowMap::new(frame, &meshes);
-        let tone = Tone::new(view.tone_map);
+        let tone = Tone::new(&view);
         let prepared = Prepared { frame, instances, meshes, textures, atmosphere, canopy, shadow, projection, tone };
         let tiles: Vec<tile::Pixels> = match view.samples {
             1 => draw_tiles::<1>(&prepared, &bins),
@@ -111,10 +112,22 @@ fn halvings(frame: &Frame, meshes: &[Arc<ClusteredMesh>], bins: &Bins) -> Vec<u3
             *least = least.min(footprint);
         }
     }
-    if let Some(ground) = &frame.ground {
-        least[ground.texture as usize] = 0.0;
+    for number in of_surroundings(frame) {
+        least[number as usize] = 0.0;
     }
     frame.textures.iter().zip(least).map(|(texture, footprint)| texture::halvings(texture, footprint)).collect()
+}
+
+/// The textures of ground, sky and distance, of which every pixel may show another scale.
+fn of_surroundings(frame: &Frame) -> impl Iterator<Item = u32> {
+    let ground = frame.ground.iter().map(|ground| ground.texture);
+    ground.chain(of_plain_numbers(frame))
+}
+
+/// The textures of ground, sky and distance that hold plain numbers.
+fn of_plain_numbers(frame: &Frame) -> impl Iterator<Item = u32> {
+    let wood = frame.ground.iter().filter_map(|ground| ground.wood).flat_map(|wood| [wood.form, wood.crowns]);
+    wood.chain(frame.sky.clouds.iter().map(|clouds| clouds.texture))
 }
 
 fn draw_tiles<const S: usize>(prepared: &Prepared, bins: &Bins) -> Vec<tile::Pixels> {

@@ -1,6 +1,7 @@
 //! What the frames of a run share: meshes cut and simplified, textures halved.
 
 use super::cluster::ClusteredMesh;
+use super::of_plain_numbers;
 use super::texture::{Codes, MipMap};
 use crate::base::mesh::Mesh;
 use crate::frame::{Frame, Texture};
@@ -57,13 +58,12 @@ impl Renderer {
         self.meshes.all(&frame.meshes, |_, _| true, |_, mesh| ClusteredMesh::new(mesh))
     }
 
-    /// The textures of a frame, each halved at least as often as is said; those that a material takes its relief from as
-    /// normals.
+    /// The textures of a frame, each halved at least as often as is said; those that hold plain numbers as
+    /// such.
     pub(super) fn textures(&mut self, frame: &Frame, halvings: &[u32]) -> Vec<Arc<MipMap>> {
-        let reliefs: BTreeSet<u32> = frame.materials.iter().filter_map(|material| material.relief).collect();
-        let codes = |number: usize| {
-            if reliefs.contains(&(number as u32)) { Codes::Normals } else { Codes::Colour }
-        };
+        let reliefs = frame.materials.iter().filter_map(|material| material.relief);
+        let plain: BTreeSet<u32> = reliefs.chain(of_plain_numbers(frame)).collect();
+        let codes = |number: usize| if plain.contains(&(number as u32)) { Codes::Plain } else { Codes::Colour };
         let serves = |number: usize, map: &MipMap| map.first() <= halvings[number] && map.codes() == codes(number);
         self.textures
             .all(&frame.textures, serves, |number, texture| MipMap::new(texture, codes(number), halvings[number]))

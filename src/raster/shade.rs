@@ -167,8 +167,8 @@ fn lit(prepared: &Prepared, item: &Item, visible: &mut Visible, triangle: u16, a
             colour[k] += beam + mirror * front[k] / PI;
         }
     }
-    let distance = (point.position - prepared.projection.eye).norm();
-    if prepared.frame.ground.is_some() { prepared.atmosphere.hazed(colour, distance) } else { colour }
+    let way = point.position - prepared.projection.eye;
+    if prepared.frame.ground.is_some() { prepared.atmosphere.hazed(colour, way) } else { colour }
 }
 
 /// Finds the point of a triangle behind a point of the picture, by homogeneous barycentric coordinates (Olano and Greer

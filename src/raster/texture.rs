@@ -12,8 +12,8 @@ const FULL: f32 = 65535.0;
 pub(super) enum Codes {
     /// sRGB: colour.
     Colour,
-    /// Plain numbers, -1 to 1: normals.
-    Normals,
+    /// Numbers from -1 to 1: normals, and what stands for no colour.
+    Plain,
 }
 
 /// A texture with its halvings, without those finer than are needed.
@@ -160,7 +160,7 @@ impl Codes {
     fn table(self) -> Vec<u16> {
         let share = |code: u32| match self {
             Self::Colour => srgb_to_linear(code as f32 / 255.0),
-            Self::Normals => ((code as f32 - 128.0) / 127.0 + 1.0) * 0.5,
+            Self::Plain => ((code as f32 - 128.0) / 127.0 + 1.0) * 0.5,
         };
         (0..256).map(|code| (share(code).clamp(0.0, 1.0) * FULL + 0.5) as u16).collect()
     }
@@ -170,7 +170,7 @@ impl Codes {
     fn decoded(self, stored: f32) -> f32 {
         match self {
             Self::Colour => stored * (1.0 / FULL),
-            Self::Normals => stored * (2.0 / FULL) - 1.0,
+            Self::Plain => stored * (2.0 / FULL) - 1.0,
         }
     }
 }

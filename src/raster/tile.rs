@@ -157,7 +157,7 @@ fn resolve<const S: usize>(
                 pixels.squared_error += f64::from(spread / ((count - 1.0) * count));
             }
         }
-        pixels.colours[place] = prepared.tone.encode(mean);
+        pixels.colours[place] = prepared.tone.encode_at(mean, corner.x + x, corner.y + y);
     }
     pixels
 }

@@ -11,12 +11,12 @@ use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault};
 use crate::base::figures::Figures;
 use crate::base::picture::Picture;
 use crate::compose::contact_sheet::Sheet;
-use crate::compose::{Falls, Garment, Stock, picture_inset};
+use crate::compose::{self, Falls, Garment, Stock, picture_inset};
 use crate::export;
 use crate::fall::Counts;
 use crate::frame::Frame;
 use crate::plan::{self, PlannedFrame};
-use crate::raster;
+use crate::raster::Renderer;
 use crate::report::{FrameReport, Report};
 use crate::scene::output::{Chart, Gltf};
 use crate::scene::{Scene, camera::Subject};
@@ -40,6 +40,7 @@ pub struct Run<'a> {
     names: Names,
     report: Report,
     states_text: String,
+    renderer: Renderer,
 }
 
 impl<'a> Run<'a> {
@@ -47,7 +48,7 @@ impl<'a> Run<'a> {
     pub fn new(scene: &'a Scene, options: &'a Options, cells: Vec<Prepared>, names: Names, report: Report) -> Self {
         let trees = cells.iter().map(|cell| cell.stand.trees.len()).max().unwrap_or(0);
         let states_text = states_file::header(trees > 1, scene.sheet_column());
-        Self { scene, options, cells, names, report, states_text }
+        Self { scene, options, cells, names, report, states_text, renderer: Renderer::default() }
     }
 
     /// The report and the text of the file of states.
@@ -194,7 +195,8 @@ impl<'a> Run<'a> {
             let frame = timed(&mut self.report, "compose", || {
                 let trees = stock.frame(scene, stand, &worn);
                 let leaf = (scene.camera.subject == Subject::Leaf).then(|| stock.specimen(scene, &worn, &trees));
-                let frame = leaf.flatten().unwrap_or(trees);
+                let mut frame = leaf.flatten().unwrap_or(trees);
+                frame.camera = compose::turned(scene, index, frame.camera);
                 let instances = frame.instances.len() as u64;
                 Ok::<_, Diagnostics>((frame, Figures::of(instances)))
             })?;
@@ -239,11 +241,12 @@ impl<'a> Run<'a> {
 
     fn rasterised(&mut self, frame: &Frame, worn: &[Option<Garment>], stock: &Stock) -> Result<Picture, Diagnostics> {
         let inset = self.scene.output.inset.then(|| stock.inset(worn, frame)).flatten();
+        let renderer = &mut self.renderer;
         timed(&mut self.report, "raster", || {
             let before = stopwatch::processor_seconds();
-            let (mut picture, figures) = raster::draw(frame);
+            let (mut picture, figures) = renderer.draw(frame);
             if let Some(inset) = &inset {
-                picture_inset::place(&mut picture, &raster::draw(inset).0);
+                picture_inset::place(&mut picture, &renderer.draw(inset).0);
             }
             Ok((picture, figures.with("cpu_seconds", stopwatch::processor_seconds() - before)))
         })
