@@ -24,6 +24,7 @@ const BARE: [[f32; 3]; 2] = [[0.105, 0.088, 0.075], [0.150, 0.118, 0.092]];
 const TINTS: [[f32; 3]; 3] = [[0.74, 0.86, 0.92], [1.00, 1.00, 1.00], [1.22, 1.10, 0.80]];
 
 /// Reflectance and transmittance of the crowns of a season.
+#[derive(Default)]
 pub(super) struct Palette {
     /// Colours with the share of the crowns that have less of a kind; ascending, the last is 1.
     kinds: Vec<(f32, [f32; 3], [f32; 3])>,
@@ -155,7 +156,7 @@ impl Prepared<'_> {
         let cosine = normal.dot(&self.frame.sun.direction);
         // Leaves lie all ways under a crown's surface, so the light goes around it a little; from behind it comes through.
         let front = (0.8 * cosine + 0.2).max(0.0) * light;
-        let through = (0.5 - 0.5 * cosine) * thin * light;
+        let through = 0.3 * (0.5 - 0.5 * cosine) * thin * light;
         let sun = self.frame.sun.irradiance.map(|e| e * self.atmosphere.sun_share());
         let ambient = self.atmosphere.open.irradiance(normal);
         let lit = std::array::from_fn(|k| {

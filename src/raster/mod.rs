@@ -18,6 +18,7 @@ mod cluster;
 mod coverage;
 mod distant_wood;
 mod draw;
+mod metering;
 mod projection;
 mod samples;
 mod shade;
@@ -65,6 +66,9 @@ struct Prepared<'a> {
 /// Draws a frame. Meshes must pass their `check`; `frame.view` has at least one pixel and 1, 4, 8 or 16 samples.
 #[must_use]
 pub fn draw(frame: &Frame) -> (Picture, Figures) {
+    if frame.view.metered {
+        return draw(&metering::metered(frame));
+    }
     let view = frame.view;
     let meshes: Vec<ClusteredMesh> = frame.meshes.par_iter().map(|mesh| ClusteredMesh::new(mesh)).collect();
     let textures = mip_maps(frame);

@@ -64,7 +64,7 @@ impl Prepared<'_> {
         let [dense, lit, _] = self.textures[clouds.texture as usize].sample(uv, footprint);
         let from = 1.0 - 1.05 * clouds.cover;
         let closed = smooth_step(0.75, 1.0, clouds.cover);
-        let covered = mix(smooth_step(from, from + 0.30, dense), 1.0, closed);
+        let covered = mix(smooth_step(from, from + 0.42, dense), 1.0, closed);
         let far = smooth_step(0.0, 0.10, direction.y);
         let open = 1.0 / (1.0 - clouds.cover).max(0.05);
         std::array::from_fn(|k| {
