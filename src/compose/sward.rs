@@ -31,7 +31,7 @@ const COLOURS: [[u8; 3]; 8] = [
 pub(super) fn palette() -> Texture {
     const ROWS: u32 = 8;
     let width = COLOURS.len() as u32;
-    let shade = |colour: u8, row: u32| (f32::from(colour) * (0.62 + 0.38 * row as f32 / (ROWS - 1) as f32)) as u8;
+    let shade = |colour: u8, row: u32| (f32::from(colour) * (0.52 + 0.40 * row as f32 / (ROWS - 1) as f32)) as u8;
     let pixels = (0..ROWS).flat_map(|row| COLOURS.map(|c| c.map(|v| shade(v, ROWS - 1 - row)))).collect();
     Texture { name: "sward".to_owned(), width, height: ROWS, pixels, repeat: false }
 }
