@@ -1,7 +1,7 @@
 //! What is behind everything that stands: the sky with its sun and clouds, the wood on the horizon and the ground.
 
 use super::Prepared;
-use crate::base::maths::{acosf, mix, smooth_step};
+use crate::base::maths::{acosf, log2f, mix, smooth_step};
 use crate::base::noise::Lattice;
 use crate::base::random::hash;
 use crate::base::vector::{Vec2, Vec3};
@@ -89,7 +89,9 @@ impl Prepared<'_> {
         let meeting = mix(self.frame.sun.direction.y.max(0.0), self.sward(ray), ground.blades);
         let ambient = self.ambient(position).irradiance(Vec3::y());
         let lit: [f32; 3] = std::array::from_fn(|k| albedo[k] * (sun[k] * meeting + ambient[k]) / PI);
-        let seen = self.atmosphere.hazed(lit, ray * distance);
+        // No meadow is farther away than the wood that closes it off.
+        let farthest = ground.wood.map_or(f32::MAX, |wood| wood.distance);
+        let seen = self.atmosphere.hazed(lit, ray * distance.min(farthest));
         match ground.wood {
             // What lies beyond the wood's edge is hidden by it.
             Some(wood) if distance > wood.distance => self.before_wood(&wood, ray, seen),
@@ -115,12 +117,29 @@ impl Prepared<'_> {
         let [wide, middle, small] =
             [(23.0, 1), (4.9, 2), (1.1, 3)].map(|(size, salt)| patches(place / size, salt, long / size));
         // Longer grass is darker, and where it is thin straw and soil show.
-        let light = 1.0 + 0.28 * wide + 0.45 * middle + 0.40 * small;
+        let upright = if ground.blades > 0.0 { self.tufts(place, pixel, distance) * ground.blades } else { 0.0 };
+        let light = 1.0 + 0.28 * wide + 0.45 * middle + 0.40 * small + TUFTS * upright;
         let dry = (0.0 + 0.50 * (0.6 * wide - 0.5 * middle + 0.6 * small)).clamp(-0.15, 0.5);
         std::array::from_fn(|k| {
             let blend = mix(detail[k], broad[k], 0.30) * light;
             (blend + mean[k] * dry * DRY[k]).max(0.15 * mean[k])
         })
+    }
+
+    /// Noise of tufts that stand upright: each hides what lies behind it for as far as it is high over the slope of the look, so
+    /// on the ground it is drawn out away from the eye. Its size follows the pixels', by halves, so that it is never lost.
+    fn tufts(&self, place: Vec2, pixel: f32, distance: f32) -> f32 {
+        let forward = self.projection.axes.row(2);
+        let ahead = Vec2::new(forward[0], forward[2]).try_normalize(1e-6).unwrap_or_else(Vec2::x);
+        let (along, across) = (place.dot(&ahead), place.x * ahead.y - place.y * ahead.x);
+        let drawn_out = (0.4 * distance / self.projection.eye.y.max(0.1)).clamp(1.0, 24.0);
+        let octave = log2f((pixel / FINEST).max(1.0));
+        let level = octave as i32;
+        let of = |level: i32| {
+            let size = 2.5 * FINEST * (1i32 << level.min(20)) as f32;
+            Lattice::new(40 + level as u64).gradient(across / size, along / (size * drawn_out))
+        };
+        mix(of(level), of(level + 1), octave - level as f32)
     }
 
     /// How a meadow meets the sun where an eye sees it, as a share of the irradiance across the beam, 0 to about 2: blades that
@@ -141,6 +160,11 @@ impl Prepared<'_> {
         SWARD * 2.0 * in_cosine / (in_cosine + out_cosine) * (sent_back + BLADE * let_through) / PI
     }
 }
+
+/// Width of a tuft that is told from others near by, metres.
+const FINEST: f32 = 0.012;
+/// How much lighter and darker tufts are than the mean (judged).
+const TUFTS: f32 = 0.34;
 
 /// What dryness adds to the reflectance of each channel, over the mean's.
 const DRY: [f32; 3] = [0.95, 0.55, 0.40];
