@@ -155,8 +155,10 @@ impl Stock {
                 let material = *barks.entry((form.species, of_class.class)).or_insert_with(|| {
                     let texture = bark::texture(settings, of_class, scene.seed);
                     let name = format!("{tag}{}", texture.name);
-                    let texture = self.push_texture(Texture { name: name.clone(), ..texture });
-                    self.push_material(Material { reflected: Some(texture), ..wood(&name, [1.0; 3]) })
+                    let texture = Texture { name: name.clone(), ..texture };
+                    let relief = bark::relief(settings, of_class, &texture).map(|relief| self.push_texture(relief));
+                    let reflected = Some(self.push_texture(texture));
+                    self.push_material(Material { reflected, relief, ..wood(&name, [1.0; 3]) })
                 });
                 parts.push(Part { mesh: self.push_mesh(of_class.mesh.clone()), material });
             }

@@ -8,7 +8,7 @@ use std::ops::BitOr;
 /// Pixels along one side of a tile.
 pub(super) const SIDE: usize = 64;
 /// Pixels along one side of a block, the unit of depth rejection.
-const BLOCK: usize = 8;
+pub(super) const BLOCK: usize = 8;
 /// Blocks along one side of a tile.
 const BLOCKS: usize = SIDE / BLOCK;
 /// Widest triangle, in pixels, whose edge values fit 32 bits: 2 x (64 x 256) x (65 x 256) < 2^31.
@@ -290,11 +290,15 @@ impl<const S: usize> Nearest<S> {
         if self.is_known_to_hide(bounds, high) {
             return false;
         }
-        let plane = self.plane(&positive, doubled_area.abs() as f32, bounds);
         let narrow = NARROW * SUBPIXEL;
-        if high_x.wrapping_sub(low_x) <= narrow && high_y.wrapping_sub(low_y) <= narrow {
+        let is_narrow = high_x.wrapping_sub(low_x) <= narrow && high_y.wrapping_sub(low_y) <= narrow;
+        if is_narrow && S == 1 {
+            self.contest_rows(simd, &positive, bounds, owner, doubled_area.abs() as f32)
+        } else if is_narrow {
+            let plane = self.plane(&positive, doubled_area.abs() as f32, bounds);
             self.contest_pixels::<W, i32>(simd, &positive, &plane, bounds, owner)
         } else {
+            let plane = self.plane(&positive, doubled_area.abs() as f32, bounds);
             self.contest_pixels::<W, i64>(simd, &positive, &plane, bounds, owner)
         }
     }
@@ -347,6 +351,54 @@ impl<const S: usize> Nearest<S> {
         edges
     }
 
+    /// Eight pixels of one sample at once: what lies beside the box fails at the edges.
+    #[inline(always)]
+    fn contest_rows<W: Simd>(
+        &mut self,
+        simd: W,
+        triangle: &[Vertex; 3],
+        bounds: [usize; 4],
+        owner: u32,
+        doubled_area: f32,
+    ) -> bool {
+        let [left, top, right, bottom] = bounds;
+        let (first, last) = (left / BLOCK, right / BLOCK);
+        let bounds = [first * BLOCK, top, right, bottom];
+        let plane = self.plane(triangle, doubled_area, bounds);
+        let edges = self.edges::<i32>(triangle, bounds);
+        let steps = i32x8::from_slice(simd, &[0, 1, 2, 3, 4, 5, 6, 7]);
+        let (low, high) = (f32x8::splat(simd, plane.low), f32x8::splat(simd, plane.high));
+        let start = [0, 1, 2].map(|k| steps * edges.right[k] + edges.samples[k][0].wrapping_add(edges.at[k]));
+        let start_nearness = steps.to_float::<f32x8<W>>() * plane.right + (plane.at + plane.samples[0]);
+        let mut won = false;
+        for (row, y) in (top..=bottom).enumerate() {
+            for (column, block) in (first..=last).enumerate() {
+                let edge = |k: usize| {
+                    let right = edges.right[k].wrapping_mul((column * BLOCK) as i32);
+                    start[k] + edges.down[k].wrapping_mul(row as i32).wrapping_add(right)
+                };
+                let outside = edge(0) | edge(1) | edge(2);
+                let value = start_nearness + (plane.right * (column * BLOCK) as f32 + plane.down * row as f32);
+                let value = value.simd_lt(low).select(low, value);
+                let value = value.simd_gt(high).select(high, value);
+                let part = y * SIDE + block * BLOCK..y * SIDE + block * BLOCK + BLOCK;
+                let nearness = &mut self.nearness.as_flattened_mut()[part.clone()];
+                let stored = f32x8::from_slice(simd, nearness);
+                let wins = outside.simd_ge(i32x8::splat(simd, 0)) & value.simd_gt(stored);
+                if !wins.any_true() {
+                    continue;
+                }
+                wins.select(value, stored).store_slice(nearness);
+                let owners = &mut self.owner.as_flattened_mut()[part];
+                let owned = u32x8::from_slice(simd, owners);
+                wins.select(u32x8::splat(simd, owner), owned).store_slice(owners);
+                won = true;
+                self.stale |= 1 << (y / BLOCK * BLOCKS + block);
+            }
+        }
+        won
+    }
+
     #[inline(always)]
     fn contest_pixels<W: Simd, E: EdgeValue>(
         &mut self,
@@ -358,26 +410,75 @@ impl<const S: usize> Nearest<S> {
     ) -> bool {
         let edges = self.edges::<E>(triangle, bounds);
         let [left, top, right, bottom] = bounds;
-        let mut row_at = edges.at;
-        let mut row_nearness = plane.at;
+        if right - left < BLOCK && bottom - top < BLOCK {
+            return self.contest_box(simd, &edges, plane, [left, top], bounds, owner);
+        }
+        let mut won = false;
+        for (row, column) in
+            (top / BLOCK..=bottom / BLOCK).flat_map(|row| (left / BLOCK..=right / BLOCK).map(move |c| (row, c)))
+        {
+            let part = [
+                left.max(column * BLOCK),
+                top.max(row * BLOCK),
+                right.min(column * BLOCK + BLOCK - 1),
+                bottom.min(row * BLOCK + BLOCK - 1),
+            ];
+            if self.farthest[row * BLOCKS + column] < plane.high && !edges.leave_out(part, [left, top]) {
+                won |= self.contest_box(simd, &edges, plane, [left, top], part, owner);
+            }
+        }
+        won
+    }
+
+    /// The pixels of a box (left, top, right, bottom; inclusive), for edges and a plane that start at `origin`.
+    #[inline(always)]
+    fn contest_box<W: Simd, E: EdgeValue>(
+        &mut self,
+        simd: W,
+        edges: &Edges<E, S>,
+        plane: &Plane<S>,
+        origin: [usize; 2],
+        [left, top, right, bottom]: [usize; 4],
+        owner: u32,
+    ) -> bool {
         let mut won = false;
         for y in top..=bottom {
-            let mut at = row_at;
-            let mut nearness = row_nearness;
+            let down = (y - origin[1]) as i32;
+            let across = (left - origin[0]) as i32;
+            let mut at = edges.moved(across, down);
+            let mut nearness = plane.at + plane.right * across as f32 + plane.down * down as f32;
             for x in left..=right {
                 let place = y * SIDE + x;
                 let pixel = Pixel { nearness: &mut self.nearness[place], owner: &mut self.owner[place] };
-                if E::contest(simd, pixel, &edges, at, plane, nearness, owner) {
+                if E::contest(simd, pixel, edges, at, plane, nearness, owner) {
                     won = true;
                     self.stale |= 1 << (y / BLOCK * BLOCKS + x / BLOCK);
                 }
                 at = std::array::from_fn(|k| at[k].plus(edges.right[k]));
                 nearness += plane.right;
             }
-            row_at = std::array::from_fn(|k| row_at[k].plus(edges.down[k]));
-            row_nearness += plane.down;
         }
         won
+    }
+}
+
+impl<E: EdgeValue, const S: usize> Edges<E, S> {
+    /// The values at the corner of a pixel so many to the right and down.
+    #[inline(always)]
+    fn moved(&self, right: i32, down: i32) -> [E; 3] {
+        let (right, down) = (E::from_i32(right), E::from_i32(down));
+        std::array::from_fn(|k| self.at[k].plus(self.right[k].times(right)).plus(self.down[k].times(down)))
+    }
+
+    /// Whether one edge has all of a box (left, top, right, bottom; inclusive) on its outer side.
+    #[inline(always)]
+    fn leave_out(&self, [left, top, right, bottom]: [usize; 4], origin: [usize; 2]) -> bool {
+        (0..3).any(|k| {
+            // An edge value grows to one side and up or down, so the corner of that side is the one that is most inside.
+            let across = if self.right[k].is_negative() { left } else { right + 1 };
+            let down = if self.down[k].is_negative() { top } else { bottom + 1 };
+            self.moved((across - origin[0]) as i32, (down - origin[1]) as i32)[k].is_negative()
+        })
     }
 }
 
@@ -431,7 +532,7 @@ fn contest_eight<W: Simd, const S: usize>(
     let value = value.simd_gt(high).select(high, value);
     let stored = f32x8::from_slice(simd, &pixel.nearness[part.clone()]);
     let wins = outside.simd_ge(i32x8::splat(simd, 0)) & value.simd_gt(stored);
-    if wins.any_false() && !wins.any_true() {
+    if !wins.any_true() {
         return false;
     }
     wins.select(value, stored).store_slice(&mut pixel.nearness[part.clone()]);

@@ -40,9 +40,14 @@ impl Prepared<'_> {
         self.canopy.as_ref().map_or(f32::INFINITY, |canopy| canopy.cell_size() * 0.5)
     }
 
+    /// The share of the sun's disc that a point sees past what stands before it.
+    pub(super) fn shade(&self, point: Vec3, normal: Vec3, salt: u64) -> f32 {
+        self.shadow.as_ref().map_or(1.0, |map| map.lit(point, normal, salt))
+    }
+
     /// The sun's irradiance on a surface that faces it, after shadow.
-    pub(super) fn sun(&self, point: Vec3, normal: Vec3, salt: u64) -> [f32; 3] {
-        let lit = self.shadow.as_ref().map_or(1.0, |map| map.lit(point, normal, salt)) * self.atmosphere.sun_share();
+    fn sun(&self, point: Vec3, normal: Vec3, salt: u64) -> [f32; 3] {
+        let lit = self.shade(point, normal, salt) * self.atmosphere.sun_share();
         self.frame.sun.irradiance.map(|e| e * lit)
     }
 }
