@@ -4,22 +4,24 @@
 //! it is the one that is highest at the centre: the maximum of the concave function min_i (h_i - a p_i - b q_i) of the slopes
 //! a and b, found by nested golden sections. A curled leaf thus stands on its rims and a flat one lies.
 
-use super::columns::CELL;
-use super::litter::FITTED;
+use super::support::support;
 use crate::base::mesh::Mesh;
 use crate::base::vector::{DVec2, DVec3, Vec3};
 use nalgebra::{Rotation3, UnitQuaternion};
 
-/// Distance of the samples of a shape, metres: below a cell's side for leaves up to 1.5 times the mean size.
-const SAMPLE: f64 = CELL * 0.6;
+/// Distance of the lines through a shape, metres: what it leans on and what hides it is judged on them.
+const SAMPLE: f64 = 7e-3;
 /// Most samples along one side of a shape; larger leaves are sampled farther apart.
-const MOST: f64 = 48.0;
+const MOST: f64 = 24.0;
 /// Steepest slope at which a shape may stand on its rims.
 const STEEPEST: f64 = 0.7;
 /// Points of a petiole that may touch the ground.
 const STALK: usize = 4;
-/// Inverse of the golden ratio.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// Distance of the points along a rim, metres, and most parts of one edge.
+const RIM: f64 = 2.2e-3;
+const MOST_PARTS: u32 = 64;
+/// Room about what a leaf may reach, metres.
+const ROOM: f64 = 0.01;
 
 /// The side of a leaf that faces the sky.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,10 +59,14 @@ pub(super) struct Rest {
     pub level: UnitQuaternion<f64>,
     /// The point of the turned model that lies on the ground below its middle, metres.
     pub foot: DVec3,
-    /// Lines through it.
+    /// The mesh's vertices, then points along its rim: along x from the middle, height over the ground, along z, metres.
+    pub vertices: Vec<[f32; 3]>,
+    /// Points of the petiole.
+    pub stalk: Vec<[f32; 3]>,
+    /// Lines through the blade.
     pub samples: Vec<Sample>,
-    /// Inverse of the second moments of the samples that are fitted, by which slopes are found: xx, xz, zz.
-    pub moments: [f64; 3],
+    /// Area that the blade covers, m2.
+    pub covered: f64,
     /// Within so many metres of the middle lies all of it, however it leans.
     pub reach: f64,
 }
@@ -72,6 +78,8 @@ pub struct Shape {
     pub middle: DVec3,
     /// The corners of its convex hull and more, with what hangs from it, in the model's coordinates.
     outline: Vec<DVec3>,
+    /// The mesh's triangles.
+    pub(super) triangles: Vec<[u32; 3]>,
     rests: [Rest; 2],
 }
 
@@ -84,7 +92,7 @@ impl Shape {
         let middle = sum / mesh.positions.len().max(1) as f64;
         let outline = mesh.positions.iter().chain([&stalk.hung]).map(|p| p.cast::<f64>()).collect();
         let rests = [Side::Upper, Side::Lower].map(|side| rest(mesh, stalk.lying, middle, side));
-        Self { middle, outline, rests }
+        Self { middle, outline, triangles: mesh.triangles.clone(), rests }
     }
 
     pub(super) fn rest(&self, side: Side) -> &Rest {
@@ -135,45 +143,42 @@ fn rest(mesh: &Mesh, stalk: Vec3, middle: DVec3, side: Side) -> Rest {
     let turned: Vec<DVec3> = points.iter().map(|p| upright * p).collect();
     let lowest = turned.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
     let lowest = if lowest.is_finite() { lowest } else { 0.0 };
-    let samples = sampled(&turned, &mesh.triangles, lowest);
+    let (vertices, stalk) = turned.split_at(mesh.positions.len());
+    let (samples, step) = sampled(vertices, &mesh.triangles, lowest);
+    let vertices = [vertices, &along_rim(vertices, &mesh.triangles)].concat();
     let foot = level * middle + DVec3::new(0.0, lowest, 0.0);
-    let moments = inverse_moments(&samples);
-    let reach = turned.iter().map(|p| p.norm() + p.y - lowest).fold(0.0, f64::max) + CELL;
-    Rest { level, foot, samples, moments, reach }
+    let reach = turned.iter().map(|p| p.norm() + p.y - lowest).fold(0.0, f64::max) + ROOM;
+    let covered = samples.len() as f64 * step * step;
+    let single = |points: &[DVec3]| points.iter().map(|p| [p.x as f32, (p.y - lowest) as f32, p.z as f32]).collect();
+    Rest { level, foot, vertices: single(&vertices), stalk: single(stalk), samples, covered, reach }
+}
+
+/// Points along the edges that belong to one triangle only, between their ends.
+fn along_rim(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
+    let edge = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
+    let mut edges: Vec<[u32; 2]> =
+        triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]].map(edge)).collect();
+    edges.sort_unstable();
+    let rim = edges.chunk_by(|one, next| one == next).filter(|same| same.len() == 1).map(|same| same[0]);
+    let between = |[a, b]: [u32; 2]| {
+        let (from, to) = (points[a as usize], points[b as usize]);
+        let parts = ((to - from).norm() / RIM) as u32 + 1;
+        (1..parts.min(MOST_PARTS)).map(move |part| from + (to - from) * (f64::from(part) / f64::from(parts)))
+    };
+    rim.flat_map(between).collect()
 }
 
 /// Slopes along x and z of the plane that carries the points.
 fn carrying(points: &[DVec3]) -> [f64; 2] {
-    let height = |a: f64, b: f64| points.iter().map(|p| p.y - a * p.x - b * p.z).fold(f64::INFINITY, f64::min);
-    let inner = |a: f64| maximum(|b| height(a, b));
-    let a = maximum(|a| inner(a).1).0;
-    [a, inner(a).0]
-}
-
-/// Place and value of the maximum of a concave function of a slope.
-fn maximum(value: impl Fn(f64) -> f64) -> (f64, f64) {
-    let (mut low, mut high) = (-STEEPEST, STEEPEST);
-    let (mut left, mut right) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
-    let (mut at_left, mut at_right) = (value(left), value(right));
-    for _ in 0..18 {
-        if at_left < at_right {
-            (low, left, at_left) = (left, right, at_right);
-            right = low + GOLDEN * (high - low);
-            at_right = value(right);
-        } else {
-            (high, right, at_right) = (right, left, at_left);
-            left = high - GOLDEN * (high - low);
-            at_left = value(left);
-        }
-    }
-    let middle = 0.5 * (low + high);
-    (middle, value(middle))
+    let hanging: Vec<[f64; 3]> = points.iter().map(|p| [p.x, p.z, -p.y]).collect();
+    let [_, a, b] = support(&hanging, STEEPEST, 1e-7);
+    [-a, -b]
 }
 
 /// Vertical lines on a grid, each with the lowest and highest point of the triangles that it meets.
-fn sampled(points: &[DVec3], triangles: &[[u32; 3]], lowest: f64) -> Vec<Sample> {
+fn sampled(points: &[DVec3], triangles: &[[u32; 3]], lowest: f64) -> (Vec<Sample>, f64) {
     let flat = |p: &DVec3| DVec2::new(p.x, p.z);
-    let Some(first) = points.first().map(flat) else { return Vec::new() };
+    let Some(first) = points.first().map(flat) else { return (Vec::new(), SAMPLE) };
     let (low, high) = points.iter().map(flat).fold((first, first), |(low, high), p| (low.inf(&p), high.sup(&p)));
     let step = SAMPLE.max((high - low).max() / MOST);
     let [columns, rows] = [(high.x - low.x) / step, (high.y - low.y) / step].map(|count| count as usize + 1);
@@ -213,21 +218,7 @@ fn sampled(points: &[DVec3], triangles: &[[u32; 3]], lowest: f64) -> Vec<Sample>
         let place = origin + DVec2::new((number % columns) as f64, (number / columns) as f64) * step;
         (low <= high).then(|| sample(place, [low, high]))
     };
-    let mut samples: Vec<Sample> = bounds.iter().enumerate().filter_map(line).collect();
-    // the lowest points themselves, between the lines, and the stalk
-    let blade = points.len() - STALK;
-    let is_low = |(number, p): &(usize, &DVec3)| *number >= blade || p.y - lowest < 1e-3;
-    samples.extend(points.iter().enumerate().filter(is_low).map(|(_, p)| sample(flat(p), [p.y - lowest; 2])));
-    samples
-}
-
-fn inverse_moments(samples: &[Sample]) -> [f64; 3] {
-    let places = || samples.iter().step_by(FITTED).map(|sample| sample.place.map(f64::from));
-    let sum = |value: &dyn Fn([f64; 2]) -> f64| places().map(value).sum::<f64>();
-    let (xx, zz) = (sum(&|[x, _]| x * x), sum(&|[_, z]| z * z));
-    let xz = sum(&|[x, z]| x * z);
-    let determinant = xx * zz - xz * xz;
-    if determinant > 1e-18 { [zz / determinant, -xz / determinant, xx / determinant] } else { [0.0; 3] }
+    (bounds.iter().enumerate().filter_map(line).collect(), step)
 }
 
 #[cfg(test)]
@@ -273,12 +264,8 @@ mod tests {
         }
         let shape = Shape::new(&mesh, Stalk::default());
         let rest = shape.rest(Side::Lower);
-        let feet: Vec<DVec2> = rest
-            .samples
-            .iter()
-            .filter(|s| s.low < 3e-4)
-            .map(|s| DVec2::new(f64::from(s.place[0]), f64::from(s.place[1])))
-            .collect();
+        let feet = rest.vertices.iter().filter(|v| v[1] < 3e-4);
+        let feet: Vec<DVec2> = feet.map(|v| DVec2::new(f64::from(v[0]), f64::from(v[2]))).collect();
         let around = (0..8).all(|k| {
             let angle = f64::from(k) * std::f64::consts::FRAC_PI_4;
             let way = DVec2::new(crate::base::maths::cos(angle), crate::base::maths::sin(angle));

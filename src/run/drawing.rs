@@ -255,10 +255,10 @@ impl<'a> Run<'a> {
 
     fn falls(&mut self, index: i64, states: &CellStates) -> CellFalls {
         let start = Instant::now();
-        let of_cell = |(cell, states): (&Prepared, &Option<LeafStates>)| {
-            leaf_falls::falls(&cell.scene, &cell.stand, states.as_ref()?, index)
+        let of_cell = |(cell, states): (&mut Prepared, &Option<LeafStates>)| {
+            leaf_falls::falls((&cell.scene, &cell.stand), states.as_ref()?, index, &mut cell.ways)
         };
-        let falls: CellFalls = self.cells.iter().zip(states).map(of_cell).collect();
+        let falls: CellFalls = self.cells.iter_mut().zip(states).map(of_cell).collect();
         if falls.iter().flatten().any(|falls| !falls.seen.is_empty()) {
             self.report.spend("fall", start.elapsed().as_secs_f64());
         }
