@@ -20,9 +20,9 @@ pub const BROWN: &str = "brown";
 /// Angle of a lying petiole to its blade, radians.
 const LYING_BEND: f64 = 0.06;
 /// How much of its height a flat leaf keeps.
-const FLATTENED: f32 = 0.3;
+const FLATTENED: f32 = 0.2;
 /// Reflectance of a flat leaf over that of a brown one: wet, bleached and bitten (judged).
-const DARKER: [f32; 3] = [0.66, 0.60, 0.56];
+const DARKER: [f32; 3] = [0.58, 0.51, 0.46];
 /// How far above its rest on bare ground a flight ends, metres: what lies there has to be cleared.
 const ARRIVAL: f64 = 0.01;
 

@@ -32,6 +32,18 @@ impl Patch {
         (z as usize).min(last) * self.side + (x as usize).min(last)
     }
 
+    /// The cell in which a point lies, given in cells from the leaf's place, and what leads from there to the cell's middle.
+    #[inline]
+    pub(super) fn cell_of(&self, x: f32, z: f32) -> (usize, [f32; 2]) {
+        // rounding by the lowest bits of a sum: places are positive and small
+        const ROUNDING: f32 = (1u32 << 23) as f32;
+        let last = self.side as u32 - 1;
+        let [x, z] = [x + self.middle[0] - 0.5, z + self.middle[1] - 0.5];
+        let nearest = |place: f32| ((place + ROUNDING).to_bits() & 0x3f_ffff).min(last);
+        let (column, row) = (nearest(x), nearest(z));
+        ((row * self.side as u32 + column) as usize, [column as f32 - x, row as f32 - z])
+    }
+
     /// Where the middle of a cell lies, metres.
     pub(super) fn place(&self, cell: usize, side: f64) -> DVec2 {
         let along = |first: u32, cell: usize| (f64::from(first) + cell as f64 + 0.5 - OFFSET) * side;
@@ -64,13 +76,7 @@ impl Columns {
         let tiles = (high - low + DVec2::repeat(2.0 * margin)) / (side * f64::from(TILE));
         let sides = [tiles.x, tiles.y].map(|tiles| (tiles as u32 + 2).min(MOST).next_power_of_two());
         let numbers = vec![0; (sides[0] * sides[1]) as usize];
-        Self {
-            side,
-            masks: sides.map(|side| side - 1),
-            shift: sides[0].trailing_zeros(),
-            numbers,
-            values: Vec::new(),
-        }
+        Self { side, masks: sides.map(|side| side - 1), shift: sides[0].trailing_zeros(), numbers, values: Vec::new() }
     }
 
     /// Copies the cells within `reach` metres of a place into a patch.

@@ -1,13 +1,12 @@
 //! A leaf that comes down on the ground and on what lies there, to its first contact.
 //!
 //! All leaves are compared on one lattice, whose cells hold the height of the topmost blade at their middles, or that of a
-//! vertex within them that is higher: the rim of a steep blade may pass between middles. A leaf comes down until a middle
-//! below its blade is met, or the height at the middle of the cell below one of its vertices. What it touches is thus within
-//! half a cell's diagonal and a thickness; only rims pass one another, by little.
+//! point of a rim within them that is higher. A leaf comes down until one of its blade's points, taken along its slope to the
+//! middle of its cell, or a point of its rim is met. What it touches is thus within half a cell's diagonal and a thickness;
+//! only rims pass one another, by little.
 
 use super::columns::{Columns, Patch};
 use super::descent::slope;
-use super::lattice::{self, Corner};
 use super::litter::{Laid, Landed};
 use super::shape::{Rest, Shape};
 use super::support::{Point, support};
@@ -19,9 +18,9 @@ use nalgebra::UnitQuaternion;
 const CELL: f64 = 2.5e-3;
 /// Coarsest cells, of a large stand.
 const COARSEST: f64 = 8e-3;
-/// What one unit of a cell's value is worth, metres. The lowest bit tells that the height is that of a vertex.
+/// What one unit of a cell's value is worth, metres. The lowest bit tells that the height is that of a rim.
 const UNIT: f32 = 5e-5;
-const VERTEX: u16 = 1;
+const OF_RIM: u16 = 1;
 /// How far rims pass one another, metres: they need not lie one above the other where their vertices lie in one cell.
 const GIVE: f32 = 1e-3;
 /// Room that a blade takes over its lower side, metres: paper and veins.
@@ -42,9 +41,8 @@ pub(super) struct Bed<'a> {
     ground: &'a Ground,
     columns: Columns,
     patch: Patch,
-    corners: Vec<Corner>,
-    /// Cells below the blade, with its height over the leaf's foot.
-    below: Vec<(u32, f32)>,
+    /// Cells below the leaf, with its height over its foot there and whether that is a rim's.
+    below: Vec<(u32, f32, u16)>,
     points: Vec<Point>,
 }
 
@@ -54,8 +52,7 @@ impl<'a> Bed<'a> {
         let pairs = ground.trunks.len() as f64 / 2.0;
         let side = (CELL * pairs.max(1.0).sqrt()).min(COARSEST);
         let columns = Columns::new(side, landed.iter().map(|leaf| leaf.place), MARGIN);
-        let (corners, below, points) = (Vec::new(), Vec::new(), Vec::new());
-        Self { ground, columns, patch: Patch::default(), corners, below, points }
+        Self { ground, columns, patch: Patch::default(), below: Vec::new(), points: Vec::new() }
     }
 
     /// Lays a leaf on what is there.
@@ -66,16 +63,11 @@ impl<'a> Bed<'a> {
         let turn = self.leaning(rest, leaf, &yaw) * yaw;
         let matrix = turn.to_rotation_matrix().into_inner() * leaf.scale;
         let axes = Axes::new(&matrix, self.columns.side);
-        let height = self.height(shape, rest, &axes, leaf);
-        for &(cell, over) in &self.below {
-            let top = units(height + over + THICKNESS - self.ground_at(cell as usize));
+        let height = self.height(rest, &axes, &turn, leaf);
+        for &(cell, over, of_rim) in &self.below {
+            let top = units(height + over + THICKNESS - self.ground_at(cell as usize)) | of_rim;
             let value = &mut self.patch.values[cell as usize];
             *value = top.max(*value);
-        }
-        for corner in &self.corners {
-            let cell = corner.cell as usize;
-            let top = units(height + corner.height + THICKNESS - self.ground_at(cell)) | VERTEX;
-            self.patch.values[cell] = top.max(self.patch.values[cell]);
         }
         self.columns.lower(&self.patch);
         let middle = rest.level * shape.middle - rest.foot;
@@ -157,30 +149,31 @@ impl<'a> Bed<'a> {
     }
 
     /// The height of a leaf's foot at its first contact, metres; the cells below it are left in `below`.
-    fn height(&mut self, shape: &Shape, rest: &Rest, axes: &Axes, leaf: &Landed) -> f32 {
-        let [x, z] = self.patch.middle;
+    fn height(&mut self, rest: &Rest, axes: &Axes, turn: &UnitQuaternion<f64>, leaf: &Landed) -> f32 {
+        let rise = Rise::new(turn, leaf.yaw, self.columns.side);
         let mut height = f32::NEG_INFINITY;
-        self.corners.clear();
-        for vertex in &rest.vertices {
-            let turned = axes.turned(*vertex);
-            let corner = Corner::new([turned[0] + x, turned[1], turned[2] + z], self.patch.side);
-            let give = if self.patch.values[corner.cell as usize] & VERTEX == 0 { 0.0 } else { GIVE };
-            height = height.max(self.top(corner.cell as usize) - turned[1] - give).max(self.met(leaf, turned));
-            self.corners.push(corner);
+        self.below.clear();
+        for point in &rest.blade {
+            let turned = axes.turned(point.at);
+            let (cell, aside) = self.patch.cell_of(turned[0], turned[2]);
+            let over = turned[1] + rise.over(point.slope, aside);
+            height = height.max(self.top(cell) - over).max(self.met(leaf, turned));
+            self.below.push((cell as u32, over, 0));
+        }
+        for point in &rest.rim {
+            let turned = axes.turned(*point);
+            let (cell, _) = self.patch.cell_of(turned[0], turned[2]);
+            let give = if self.patch.values[cell] & OF_RIM == 0 { 0.0 } else { GIVE };
+            height = height.max(self.top(cell) - turned[1] - give).max(self.met(leaf, turned));
+            self.below.push((cell as u32, turned[1], OF_RIM));
         }
         // a petiole is thinner than a cell: it slips between blades, but not into the ground
-        height = rest.stalk.iter().map(|point| self.met(leaf, axes.turned(*point))).fold(height, f32::max);
-        self.below.clear();
-        for triangle in &shape.triangles {
-            let corners = triangle.map(|vertex| &self.corners[vertex as usize]);
-            lattice::below(corners, self.patch.side, &mut |cell, over| self.below.push((cell, over)));
-        }
-        let met = self.below.iter().map(|&(cell, over)| self.top(cell as usize) - over);
-        let height = met.fold(height, f32::max);
+        let height = rest.stalk.iter().map(|point| self.met(leaf, axes.turned(*point))).fold(height, f32::max);
         if height.is_finite() { height } else { 0.0 }
     }
 
     /// The height of the foot at which a point of a leaf touches the ground.
+    #[inline]
     fn met(&self, leaf: &Landed, point: [f32; 3]) -> f32 {
         if self.ground.heights.is_none() {
             return -point[1];
@@ -191,7 +184,7 @@ impl<'a> Bed<'a> {
 
     #[inline]
     fn top(&self, cell: usize) -> f32 {
-        f32::from(self.patch.values[cell] & !VERTEX) * UNIT + self.ground_at(cell)
+        f32::from(self.patch.values[cell] & !OF_RIM) * UNIT + self.ground_at(cell)
     }
 
     #[inline]
@@ -205,7 +198,31 @@ impl<'a> Bed<'a> {
 
 /// A height as a cell's value, rounded to the nearest.
 fn units(metres: f32) -> u16 {
-    ((metres * (0.5 / UNIT) + 0.5) as u16).saturating_mul(2) & !VERTEX
+    ((metres * (0.5 / UNIT) + 0.5) as u16).saturating_mul(2) & !OF_RIM
+}
+
+/// How a leaf's points rise within their cells.
+struct Rise {
+    /// Cosine and sine of its turn, in metres a cell.
+    turn: [f32; 2],
+    /// The slopes along x and z by which it leans, in metres a cell.
+    lean: [f32; 2],
+}
+
+impl Rise {
+    fn new(turn: &UnitQuaternion<f64>, yaw: f64, side: f64) -> Self {
+        let (sine, cosine) = crate::base::maths::sincos(yaw);
+        let up = turn * DVec3::y();
+        let lean = [-up.x / up.y, -up.z / up.y].map(|slope| (slope * side) as f32);
+        Self { turn: [(cosine * side) as f32, (sine * side) as f32], lean }
+    }
+
+    /// The rise of a point of this slope towards the middle of its cell, metres; slopes are taken to add to the lean.
+    #[inline]
+    fn over(&self, [x, z]: [f32; 2], aside: [f32; 2]) -> f32 {
+        let [cosine, sine] = self.turn;
+        (x * cosine + z * sine + self.lean[0]) * aside[0] + (z * cosine - x * sine + self.lean[1]) * aside[1]
+    }
 }
 
 /// The axes of a lying leaf: x and z in cells, y in metres.

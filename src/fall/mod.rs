@@ -21,8 +21,8 @@ mod descent;
 mod fate;
 mod flight;
 mod ground;
-mod lattice;
 mod layers;
+mod lines;
 mod litter;
 #[cfg(test)]
 mod pile_tests;

@@ -27,7 +27,7 @@ fn rolled(radius: f64) -> Mesh {
 fn shapes() -> Vec<Mesh> {
     let fell = [blade(0.0), blade(9.0), rolled(0.03), rolled(0.018)];
     let pressed = fell.clone().map(|mut mesh| {
-        mesh.positions.iter_mut().for_each(|p| p.z *= 0.3);
+        mesh.positions.iter_mut().for_each(|p| p.z *= 0.2);
         mesh.recompute_normals();
         mesh
     });

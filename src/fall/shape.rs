@@ -4,6 +4,7 @@
 //! it is the one that is highest at the centre: the maximum of the concave function min_i (h_i - a p_i - b q_i) of the slopes
 //! a and b, found by nested golden sections. A curled leaf thus stands on its rims and a flat one lies.
 
+use super::lines::{End, Line, Lines};
 use super::support::support;
 use crate::base::mesh::Mesh;
 use crate::base::vector::{DVec2, DVec3, Vec3};
@@ -17,6 +18,10 @@ const MOST: f64 = 24.0;
 const STEEPEST: f64 = 0.7;
 /// Points of a petiole that may touch the ground.
 const STALK: usize = 4;
+/// Distance of the points of a blade, metres: below the side of a cell.
+const POINT: f64 = 2.4e-3;
+/// Most points along one side of a shape.
+const MOST_POINTS: f64 = 256.0;
 /// Distance of the points along a rim, metres, and most parts of one edge.
 const RIM: f64 = 2.2e-3;
 const MOST_PARTS: u32 = 64;
@@ -52,6 +57,15 @@ pub(super) struct Sample {
     pub high: f32,
 }
 
+/// A point of a lying blade of scale 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Point {
+    /// Along x from the middle, height over the ground, along z, metres.
+    pub at: [f32; 3],
+    /// How it rises along x and z, metres a metre.
+    pub slope: [f32; 2],
+}
+
 /// A shape as it lies on one side.
 #[derive(Clone, Debug)]
 pub(super) struct Rest {
@@ -59,8 +73,10 @@ pub(super) struct Rest {
     pub level: UnitQuaternion<f64>,
     /// The point of the turned model that lies on the ground below its middle, metres.
     pub foot: DVec3,
-    /// The mesh's vertices, then points along its rim: along x from the middle, height over the ground, along z, metres.
-    pub vertices: Vec<[f32; 3]>,
+    /// Points of the blade, closer than cells.
+    pub blade: Vec<Point>,
+    /// Points of its rim: along x from the middle, height over the ground, along z, metres.
+    pub rim: Vec<[f32; 3]>,
     /// Points of the petiole.
     pub stalk: Vec<[f32; 3]>,
     /// Lines through the blade.
@@ -78,8 +94,6 @@ pub struct Shape {
     pub middle: DVec3,
     /// The corners of its convex hull and more, with what hangs from it, in the model's coordinates.
     outline: Vec<DVec3>,
-    /// The mesh's triangles.
-    pub(super) triangles: Vec<[u32; 3]>,
     rests: [Rest; 2],
 }
 
@@ -92,7 +106,7 @@ impl Shape {
         let middle = sum / mesh.positions.len().max(1) as f64;
         let outline = mesh.positions.iter().chain([&stalk.hung]).map(|p| p.cast::<f64>()).collect();
         let rests = [Side::Upper, Side::Lower].map(|side| rest(mesh, stalk.lying, middle, side));
-        Self { middle, outline, triangles: mesh.triangles.clone(), rests }
+        Self { middle, outline, rests }
     }
 
     pub(super) fn rest(&self, side: Side) -> &Rest {
@@ -144,26 +158,44 @@ fn rest(mesh: &Mesh, stalk: Vec3, middle: DVec3, side: Side) -> Rest {
     let lowest = turned.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
     let lowest = if lowest.is_finite() { lowest } else { 0.0 };
     let (vertices, stalk) = turned.split_at(mesh.positions.len());
-    let (samples, step) = sampled(vertices, &mesh.triangles, lowest);
-    let vertices = [vertices, &along_rim(vertices, &mesh.triangles)].concat();
+    let coarse = Lines::new(vertices, &mesh.triangles, SAMPLE, MOST);
+    let fine = Lines::new(vertices, &mesh.triangles, POINT, MOST_POINTS);
     let foot = level * middle + DVec3::new(0.0, lowest, 0.0);
     let reach = turned.iter().map(|p| p.norm() + p.y - lowest).fold(0.0, f64::max) + ROOM;
-    let covered = samples.len() as f64 * step * step;
+    let covered = coarse.lines.len() as f64 * coarse.step * coarse.step;
     let single = |points: &[DVec3]| points.iter().map(|p| [p.x as f32, (p.y - lowest) as f32, p.z as f32]).collect();
-    Rest { level, foot, vertices: single(&vertices), stalk: single(stalk), samples, covered, reach }
+    let height = |end: End| (end.height - lowest) as f32;
+    let sample = |line: &Line| Sample {
+        place: [line.place.x as f32, line.place.y as f32],
+        low: height(line.low),
+        high: height(line.high),
+    };
+    let point = |(place, end): (DVec2, End)| Point {
+        at: [place.x as f32, height(end), place.y as f32],
+        slope: [end.slope.x as f32, end.slope.y as f32],
+    };
+    Rest {
+        level,
+        foot,
+        blade: fine.ends().map(point).collect(),
+        rim: single(&along_rim(vertices, &mesh.triangles)),
+        stalk: single(stalk),
+        samples: coarse.lines.iter().map(sample).collect(),
+        covered,
+        reach,
+    }
 }
 
-/// Points along the edges that belong to one triangle only, between their ends.
+/// Points along the edges that belong to one triangle only.
 fn along_rim(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
     let edge = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
-    let mut edges: Vec<[u32; 2]> =
-        triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]].map(edge)).collect();
+    let mut edges: Vec<[u32; 2]> = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]].map(edge)).collect();
     edges.sort_unstable();
     let rim = edges.chunk_by(|one, next| one == next).filter(|same| same.len() == 1).map(|same| same[0]);
     let between = |[a, b]: [u32; 2]| {
         let (from, to) = (points[a as usize], points[b as usize]);
         let parts = ((to - from).norm() / RIM) as u32 + 1;
-        (1..parts.min(MOST_PARTS)).map(move |part| from + (to - from) * (f64::from(part) / f64::from(parts)))
+        (0..parts.min(MOST_PARTS)).map(move |part| from + (to - from) * (f64::from(part) / f64::from(parts)))
     };
     rim.flat_map(between).collect()
 }
@@ -173,52 +205,6 @@ fn carrying(points: &[DVec3]) -> [f64; 2] {
     let hanging: Vec<[f64; 3]> = points.iter().map(|p| [p.x, p.z, -p.y]).collect();
     let [_, a, b] = support(&hanging, STEEPEST, 1e-7);
     [-a, -b]
-}
-
-/// Vertical lines on a grid, each with the lowest and highest point of the triangles that it meets.
-fn sampled(points: &[DVec3], triangles: &[[u32; 3]], lowest: f64) -> (Vec<Sample>, f64) {
-    let flat = |p: &DVec3| DVec2::new(p.x, p.z);
-    let Some(first) = points.first().map(flat) else { return (Vec::new(), SAMPLE) };
-    let (low, high) = points.iter().map(flat).fold((first, first), |(low, high), p| (low.inf(&p), high.sup(&p)));
-    let step = SAMPLE.max((high - low).max() / MOST);
-    let [columns, rows] = [(high.x - low.x) / step, (high.y - low.y) / step].map(|count| count as usize + 1);
-    let mut bounds = vec![(f64::INFINITY, f64::NEG_INFINITY); columns * rows];
-    // A grid about the middle of the box, so that thin blades have a line along their midrib.
-    let origin = (low + high) * 0.5 - DVec2::new((columns - 1) as f64, (rows - 1) as f64) * (0.5 * step);
-    for triangle in triangles {
-        let corners = triangle.map(|v| points[v as usize]);
-        let place = |p: DVec3| (flat(&p) - origin) / step;
-        let [a, b, c] = corners.map(place);
-        let area = (b - a).perp(&(c - a));
-        if area.abs() < 1e-12 {
-            continue;
-        }
-        let (from, to) = (a.inf(&b).inf(&c), a.sup(&b).sup(&c));
-        let range = |from: f64, to: f64, count: usize| {
-            (from.ceil().max(0.0) as usize)..((to.floor() + 1.0).clamp(0.0, count as f64) as usize)
-        };
-        for row in range(from.y, to.y, rows) {
-            for column in range(from.x, to.x, columns) {
-                let at = DVec2::new(column as f64, row as f64);
-                let u = (c - b).perp(&(at - b)) / area;
-                let v = (a - c).perp(&(at - c)) / area;
-                if u >= 0.0 && v >= 0.0 && u + v <= 1.0 {
-                    let height = u * corners[0].y + v * corners[1].y + (1.0 - u - v) * corners[2].y - lowest;
-                    let bound = &mut bounds[row * columns + column];
-                    *bound = (bound.0.min(height), bound.1.max(height));
-                }
-            }
-        }
-    }
-    let sample = |place: DVec2, [low, high]: [f64; 2]| {
-        let place = [place.x as f32, place.y as f32];
-        Sample { place, low: low as f32, high: high as f32 }
-    };
-    let line = |(number, &(low, high)): (usize, &(f64, f64))| {
-        let place = origin + DVec2::new((number % columns) as f64, (number / columns) as f64) * step;
-        (low <= high).then(|| sample(place, [low, high]))
-    };
-    (bounds.iter().enumerate().filter_map(line).collect(), step)
 }
 
 #[cfg(test)]
@@ -264,7 +250,8 @@ mod tests {
         }
         let shape = Shape::new(&mesh, Stalk::default());
         let rest = shape.rest(Side::Lower);
-        let feet = rest.vertices.iter().filter(|v| v[1] < 3e-4);
+        let points = rest.rim.iter().chain(rest.blade.iter().map(|point| &point.at));
+        let feet = points.filter(|v| v[1] < 3e-4);
         let feet: Vec<DVec2> = feet.map(|v| DVec2::new(f64::from(v[0]), f64::from(v[2]))).collect();
         let around = (0..8).all(|k| {
             let angle = f64::from(k) * std::f64::consts::FRAC_PI_4;

@@ -188,7 +188,7 @@ impl<'a> Run<'a> {
         let mut files = Vec::new();
         for (number, (stock, (states, falls))) in stocks.iter().zip(states.iter().zip(falls)).enumerate() {
             let Some(stock) = stock else { continue };
-            let Prepared { scene, stand, plan, .. } = &self.cells[number];
+            let Prepared { scene, stand, plan, ways, .. } = &self.cells[number];
             let layout = scene.output.gltf;
             let worn = states.as_ref().map_or_else(Vec::new, |states| plan::garments(scene, stand, states));
             let frame = timed(&mut self.report, "compose", || {
@@ -200,7 +200,10 @@ impl<'a> Run<'a> {
             })?;
             let frame = match falls {
                 Some(falls) if plan.has("fall") => {
-                    let strewn = || Ok::<_, Diagnostics>(stock.strewn(scene, stand, falls, frame));
+                    let strewn = || {
+                        let (frame, figures) = stock.strewn(scene, stand, falls, frame);
+                        Ok::<_, Diagnostics>((frame, figures.with("ways", ways.found)))
+                    };
                     timed(&mut self.report, "fall", strewn)?
                 }
                 _ => frame,

@@ -7,12 +7,7 @@ use crate::season::{FALLEN, LeafStates};
 
 /// What has become of every leaf that has fallen by a frame's time; `None` where fallen leaves are not asked for. `ways` are
 /// those that other frames have found.
-pub fn falls(
-    (scene, stand): (&Scene, &Stand),
-    states: &LeafStates,
-    index: i64,
-    ways: &mut Ways,
-) -> Option<Falls> {
+pub fn falls((scene, stand): (&Scene, &Stand), states: &LeafStates, index: i64, ways: &mut Ways) -> Option<Falls> {
     if !scene.leaves_fall() {
         return None;
     }

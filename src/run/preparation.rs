@@ -83,7 +83,15 @@ pub fn prepare(cells: Vec<Scene>, asked: &Asked<'_>, report: &mut Report) -> Res
             seasons.prepare(asked.frames, asked.frames.len() > 1);
             report.spend("season", start.elapsed().as_secs_f64());
         }
-        let mut one = Prepared { scene, stand, states, plan: Plan::default(), seasons, kept: BTreeMap::new(), ways: Ways::default() };
+        let mut one = Prepared {
+            scene,
+            stand,
+            states,
+            plan: Plan::default(),
+            seasons,
+            kept: BTreeMap::new(),
+            ways: Ways::default(),
+        };
         let frames = asked.frames.iter().take_while(|_| !(asked.stop)());
         counts.push(frames.map(|&index| one.count(index, report)).collect());
         prepared.push(one);
