@@ -253,12 +253,12 @@ fn points(blade: &[[[f64; 3]; 3]]) -> Vec<[f64; 3]> {
 
 #[test]
 fn no_leaf_lies_in_the_ground_and_none_hovers() {
-    let sets = ["time.day=30", "tree.age=7", "output.png=false", "fall.browning=8", "fall.days=60"];
+    let sets = ["time.day=20", "tree.age=6", "output.png=false", "fall.browning=8", "fall.days=60"];
     let (files, report) = rendered(&small(&sets), Options::default());
     let stage = report.stages.iter().find(|stage| stage.name == "fall").unwrap();
     let buried = stage.figures["buried"].as_u64().unwrap() as usize;
     let blades = lying_blades(&files["small.glb"]);
-    assert!(blades.len() > 800 && blades.len() + buried == report.frames[0].fall.unwrap().lying as usize);
+    assert!(blades.len() > 200 && blades.len() + buried == report.frames[0].fall.unwrap().lying as usize);
     let lowest = |blade: &Vec<[[f64; 3]; 3]>| blade.iter().flatten().map(|p| p[1]).fold(f64::INFINITY, f64::min);
     assert!(blades.iter().all(|blade| lowest(blade) > -1e-3));
     // those that do not lie on the ground, by the cubes of 2 mm about their points
@@ -284,7 +284,7 @@ fn no_leaf_lies_in_the_ground_and_none_hovers() {
         }
     }
     // what lies on buried leaves only, which are not in the file
-    assert!(above > 50 && hovering.len() <= buried, "{} of {above} hover; {buried} are buried", hovering.len());
+    assert!(above > 20 && hovering.len() <= buried, "{} of {above} hover; {buried} are buried", hovering.len());
 }
 
 #[test]
