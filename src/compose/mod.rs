@@ -27,7 +27,7 @@ mod view;
 mod white_balance;
 mod wood_edge;
 
-pub use falls::{Dropped, Fall, Falls, Look};
+pub use falls::{Dropped, Fall, Falls, Look, Ways};
 pub use leaf_area::blade_area;
 pub use litter::BROWN;
 pub use stand::{Form, Stand};
@@ -38,7 +38,7 @@ use crate::base::mesh::Mesh;
 use crate::base::random::{Purpose, Stream};
 use crate::base::vector::{Affine, DVec3, Mat3, Vec3};
 use crate::colour::Painted;
-use crate::fall::Stalk;
+use crate::fall::{Shape, Stalk};
 use crate::frame::{Frame, Instance, Material, Model, Part, Texture};
 use crate::scene::{Scene, Species, camera::Subject, ground::Cover, image::Backdrop, image::Leaves};
 use crate::tree::LeafSite;
@@ -98,7 +98,7 @@ pub struct Stock {
     painted: BTreeMap<Garment, u32>,
     /// Models of fallen leaves, with their shapes and what their petioles do.
     lying: BTreeMap<(Garment, Petiole, Look), Lying>,
-    resting: Vec<(Arc<Mesh>, Stalk)>,
+    resting: Vec<(Arc<Mesh>, Stalk, Shape)>,
     /// Meshes of flattened blades and, by length, of lying petioles.
     flat: BTreeMap<Garment, u32>,
     lying_stalks: BTreeMap<u64, u32>,

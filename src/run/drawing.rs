@@ -189,7 +189,7 @@ impl<'a> Run<'a> {
         let mut files = Vec::new();
         for (number, (stock, (states, falls))) in stocks.iter().zip(states.iter().zip(falls)).enumerate() {
             let Some(stock) = stock else { continue };
-            let Prepared { scene, stand, plan, .. } = &self.cells[number];
+            let Prepared { scene, stand, plan, ways, .. } = &self.cells[number];
             let layout = scene.output.gltf;
             let worn = states.as_ref().map_or_else(Vec::new, |states| plan::garments(scene, stand, states));
             let frame = timed(&mut self.report, "compose", || {
@@ -202,7 +202,10 @@ impl<'a> Run<'a> {
             })?;
             let frame = match falls {
                 Some(falls) if plan.has("fall") => {
-                    let strewn = || Ok::<_, Diagnostics>(stock.strewn(scene, stand, falls, frame));
+                    let strewn = || {
+                        let (frame, figures) = stock.strewn(scene, stand, falls, frame);
+                        Ok::<_, Diagnostics>((frame, figures.with("ways", ways.found)))
+                    };
                     timed(&mut self.report, "fall", strewn)?
                 }
                 _ => frame,
@@ -258,10 +261,10 @@ impl<'a> Run<'a> {
 
     fn falls(&mut self, index: i64, states: &CellStates) -> CellFalls {
         let start = Instant::now();
-        let of_cell = |(cell, states): (&Prepared, &Option<LeafStates>)| {
-            leaf_falls::falls(&cell.scene, &cell.stand, states.as_ref()?, index)
+        let of_cell = |(cell, states): (&mut Prepared, &Option<LeafStates>)| {
+            leaf_falls::falls((&cell.scene, &cell.stand), states.as_ref()?, index, &mut cell.ways)
         };
-        let falls: CellFalls = self.cells.iter().zip(states).map(of_cell).collect();
+        let falls: CellFalls = self.cells.iter_mut().zip(states).map(of_cell).collect();
         if falls.iter().flatten().any(|falls| !falls.seen.is_empty()) {
             self.report.spend("fall", start.elapsed().as_secs_f64());
         }
