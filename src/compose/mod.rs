@@ -25,7 +25,7 @@ pub use falls::{Dropped, Fall, Falls, Look};
 pub use leaf_area::blade_area;
 pub use litter::BROWN;
 pub use stand::{Form, Stand};
-pub use texture_size::{largest_texture, texture_size};
+pub use texture_size::{largest_blade, largest_texture, texture_size};
 
 use crate::base::mesh::Mesh;
 use crate::base::random::{Purpose, Stream};
