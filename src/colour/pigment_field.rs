@@ -421,7 +421,8 @@ mod tests {
             .filter_map(|((tissue, samples), numbers)| (numbers[1] == numbers[0] + 1).then_some((tissue, samples)))
         {
             let change = (contents[1].contents[0] - contents[0].contents[0]).abs();
-            let side = if pair[0].areole == pair[1].areole { &mut within } else { &mut across };
+            let borders = pair[0].areole != pair[1].areole || pair.iter().any(|tissue| tissue.beyond > 0.0);
+            let side = if borders { &mut across } else { &mut within };
             *side = (side.0 + change, side.1 + 1);
         }
         let mean = |(sum, count): (f32, usize)| sum / count as f32;

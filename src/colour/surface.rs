@@ -24,7 +24,7 @@ const SUPPLY: [(f32, f32); ORDERS] = [(1.0 / 0.019, 0.0), (1.0 / 0.011, -0.223),
 const VEINLETS: [f64; 2] = [0.15, 0.07];
 
 /// Half width of the border between two areoles, millimetres.
-const SOFT: f32 = 0.07;
+const SOFT: f32 = 0.05;
 
 /// What never changes at one place of a blade, whatever its state.
 #[derive(Clone, Copy, Debug, Default)]
@@ -173,7 +173,7 @@ impl Surface {
         let main = main * (0.65 + 0.35 * (-edges[0] / (0.22 * self.millimetre)).clamp(0.0, 1.0));
         let square = supply * supply;
         // What an areole holds runs into the next over a pixel or a tenth of a millimetre.
-        let soft = 1.0 / (1.0 / self.size as f32).max(SOFT * self.millimetre);
+        let soft = 1.0 / (0.5 / self.size as f32).max(SOFT * self.millimetre);
         let vein = main.max(0.85 * second).max(0.45 * third);
         let tissue = Tissue {
             areole: spot.areole,

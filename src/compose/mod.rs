@@ -33,7 +33,7 @@ use crate::base::vector::{Affine, Mat3, Vec3};
 use crate::colour::Painted;
 use crate::fall::Stalk;
 use crate::frame::{Frame, Instance, Material, Model, Part, Texture};
-use crate::scene::{Scene, Species, ground::Cover, image::Leaves};
+use crate::scene::{Scene, Species, camera::Subject, ground::Cover, image::Leaves};
 use crate::tree::LeafSite;
 use litter::{Lying, Stalks};
 use petiole::Petiole;
@@ -110,7 +110,12 @@ impl Stock {
         for (number, tag) in tags.iter().enumerate() {
             stock.add_leaves(scene, stand, (number, tag), wardrobe);
         }
-        if scene.output.png && scene.ground.kind == Cover::Grass {
+        // The one picture of a leaf by itself shows no ground; where no leaf hangs it is a picture of trees after all.
+        let is_alone = scene.camera.subject == Subject::Leaf
+            && scene.time.is_single()
+            && !wardrobe.shapes.is_empty()
+            && wardrobe.fallen.is_empty();
+        if scene.output.png && scene.ground.kind == Cover::Grass && !is_alone {
             stock.add_ground(scene, stand);
         }
         stock

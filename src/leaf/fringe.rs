@@ -18,7 +18,7 @@ const CLEARANCE: f64 = 0.25;
 /// How often the tolerance is halved where chords would cross.
 const HALVINGS: u32 = 6;
 /// How often the tolerance is raised by a quarter to keep within the triangles allowed.
-const RAISINGS: u32 = 24;
+const RAISINGS: u32 = 40;
 
 /// How a point hangs on the mesh that is bent.
 #[derive(Clone, Copy, Debug)]
@@ -239,4 +239,83 @@ fn frames(flat: &FlatMesh, places: &[DVec3]) -> Vec<[DVec3; 2]> {
         }
     }
     sums.into_iter().map(|([right, up], area)| [right / area.max(1e-30), up / area.max(1e-30)]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::limits::Limits;
+    use crate::base::maths::sincos;
+    use crate::leaf::{Pictures, Settings, model};
+
+    fn maple() -> Blade {
+        #[derive(serde::Deserialize)]
+        struct File {
+            leaf: Settings,
+        }
+        let file: File = toml::from_str(include_str!("../species/red-maple.leaf.toml")).unwrap();
+        model(&file.leaf, Pictures::default(), &Limits::default()).unwrap().0
+    }
+
+    /// The blade's mesh with each vertex where `place` puts it.
+    fn bent(blade: &Blade, place: impl Fn(DVec2) -> DVec3) -> Mesh {
+        let positions = blade.mesh.positions.iter().map(|&p| place(p).cast::<f32>()).collect();
+        let (uvs, triangles) = (blade.mesh.uvs.clone(), blade.mesh.triangles.clone());
+        let mut mesh = Mesh { positions, uvs, triangles, normals: Vec::new() };
+        mesh.recompute_normals();
+        mesh
+    }
+
+    #[test]
+    fn a_flat_leaf_has_the_outline_within_the_tolerance_and_its_area() {
+        let blade = maple();
+        for tolerance in [4e-4, 1e-4, 2e-5] {
+            let fringe = Fringe::new(&blade, tolerance, usize::MAX).unwrap();
+            let flat = fringe.worn_by(&blade.mesh, &bent(&blade, |p| DVec3::new(p.x, p.y, 0.0)));
+            assert_eq!(flat.check(), Ok(()));
+            let rim = &flat.positions[..thinned(&blade.outline, fringe.tolerance).len()];
+            let rim: Vec<DVec2> = rim.iter().map(|p| DVec2::new(f64::from(p.x), f64::from(p.y))).collect();
+            assert!(polygon::hausdorff(&rim, &blade.outline) < 1.01 * tolerance + 1e-8);
+            assert!((flat.area() / (polygon::doubled_area(&rim) * 0.5) - 1.0).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn a_leaf_moved_or_stretched_evenly_takes_its_margin_along() {
+        let blade = maple();
+        let fringe = Fringe::new(&blade, 1e-4, usize::MAX).unwrap();
+        let (sine, cosine) = sincos(0.7);
+        let place = |p: DVec2| DVec3::new(1.2 * p.x + 0.01, cosine * p.y, sine * p.y - 0.3 * p.x);
+        let (flat, moved) = (bent(&blade, |p| DVec3::new(p.x, p.y, 0.0)), bent(&blade, place));
+        let [flat, moved] = [flat, moved].map(|shape| fringe.worn_by(&blade.mesh, &shape));
+        for (from, to) in flat.positions.iter().zip(&moved.positions) {
+            let expected = place(DVec2::new(f64::from(from.x), f64::from(from.y)));
+            assert!((to.cast::<f64>() - expected).norm() < 1e-7, "{from} {to}");
+        }
+    }
+
+    #[test]
+    fn no_more_triangles_than_allowed_and_none_where_the_mesh_is_as_good() {
+        let blade = maple();
+        let count = blade.mesh.triangles.len();
+        let fringe = Fringe::new(&blade, 5e-5, count + count / 4).unwrap();
+        assert!(fringe.triangles() <= count + count / 4, "{} {count}", fringe.triangles());
+        assert!(fringe.tolerance > 5e-5);
+        assert!(Fringe::new(&blade, 0.01, usize::MAX).is_none());
+        assert!(Fringe::new(&Blade::default(), 1e-4, usize::MAX).is_none());
+    }
+
+    #[test]
+    fn gaps_stay_open() {
+        let gap = [[-4.0, 30.0], [4.0, 30.0], [4.0, 38.0], [-4.0, 38.0]].to_vec();
+        let outline = (0..40).map(|i| sincos(std::f64::consts::TAU * f64::from(i) / 40.0));
+        let outline = Some(outline.map(|(s, c)| [25.0 * s, 30.0 - 30.0 * c]).collect());
+        let settings = Settings { outline, holes: vec![gap], length: 60.0, vertices: 60, ..Settings::default() };
+        let blade = model(&settings, Pictures::default(), &Limits::default()).unwrap().0;
+        let fringe = Fringe::new(&blade, 2e-5, usize::MAX).unwrap();
+        let flat = fringe.worn_by(&blade.mesh, &bent(&blade, |p| DVec3::new(p.x, p.y, 0.0)));
+        let enclosed = |line: &Vec<DVec2>| polygon::doubled_area(line) * 0.5;
+        let expected = enclosed(&blade.outline) - enclosed(&blade.holes[0]).abs();
+        assert!((flat.area() / expected - 1.0).abs() < 2e-3, "{} {expected}", flat.area());
+    }
 }

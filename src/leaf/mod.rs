@@ -210,6 +210,8 @@ fn outlined(settings: &Settings, picture: &Picture, trace: &Trace) -> Settings {
         picture: None,
         veins,
         outline: Some(line(&trace.keys)),
+        // A trace has its teeth already.
+        teeth: Teeth::default(),
         holes: trace.hole_keys.iter().map(line).collect(),
         petiole: stalk.map(station).collect(),
         joint: Some(trace.pose.joint.into()),

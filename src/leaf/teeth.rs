@@ -164,7 +164,7 @@ mod tests {
 
     /// A round blade 40 mm long with sixteen forward teeth, the joint in its first notch.
     fn keys() -> Vec<DVec2> {
-        let point = |angle: f64, radius: f64| DVec2::new(sincos(angle).0, 1.0 - sincos(angle).1) * radius;
+        let point = |angle: f64, radius: f64| DVec2::new(sincos(angle).0, -sincos(angle).1) * radius;
         let tooth = |i: u32| TAU * f64::from(i) / 16.0;
         let origin = point(0.0, 0.018);
         (0..16).flat_map(|i| [point(tooth(i), 0.018), point(tooth(i) + 0.28, 0.021)]).map(|p| p - origin).collect()
@@ -199,7 +199,8 @@ mod tests {
             (0..spline.spans()).filter(|&key| spline.is_corner(key)).count()
         };
         let plain = tips(0.0, 1.0);
-        assert_eq!(tips(0.08, 1.0), plain + 16);
+        // The flank that begins at the joint has none.
+        assert_eq!(tips(0.08, 1.0), plain + 15);
         assert_eq!(tips(0.08, 50.0), plain);
     }
 
