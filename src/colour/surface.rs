@@ -279,7 +279,7 @@ impl Segment {
             let line = &mut distances[row * size..][columns];
             for (number, distance) in line.iter_mut().enumerate() {
                 let right = first + number as i32 as f32 * texel;
-                let part = ((right * along.x + up * along.y) * per_square).max(0.0).min(1.0);
+                let part = ((right * along.x + up * along.y) * per_square).clamp(0.0, 1.0);
                 let (x, y) = (right - along.x * part, up - along.y * part);
                 let found = (x * x + y * y).sqrt() - (half + wider * part);
                 *distance = if found < *distance { found } else { *distance };

@@ -74,14 +74,11 @@ impl Line<'_> {
         let (a, b, c) = (self.key(i + count - 1), self.key(i), self.key(i + 1));
         let turn = crate::leaf::spline::turning(a, b, c);
         // The curves that meet at the joint are the petiole's business.
-        if i.is_multiple_of(count) {
-            if turn > self.corner { Kind::Tip } else { Kind::Smooth }
-        } else if (b - a).perp(&(c - b)) > 0.0 {
-            if turn > self.corner { Kind::Tip } else { Kind::Smooth }
-        } else if turn > NOTCH {
-            Kind::Notch
-        } else {
-            Kind::Smooth
+        let is_outwards = i.is_multiple_of(count) || (b - a).perp(&(c - b)) > 0.0;
+        match is_outwards {
+            true if turn > self.corner => Kind::Tip,
+            false if turn > NOTCH => Kind::Notch,
+            _ => Kind::Smooth,
         }
     }
 
