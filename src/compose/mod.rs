@@ -31,7 +31,7 @@ pub use falls::{Dropped, Fall, Falls, Look, Ways};
 pub use leaf_area::blade_area;
 pub use litter::BROWN;
 pub use stand::{Form, Stand};
-pub use texture_size::{largest_texture, texture_size};
+pub use texture_size::{largest_blade, largest_texture, texture_size};
 pub use view::turned;
 
 use crate::base::mesh::Mesh;
@@ -119,11 +119,15 @@ impl Stock {
         for (number, tag) in tags.iter().enumerate() {
             stock.add_leaves(scene, stand, (number, tag), wardrobe);
         }
-        let is_seen = scene.output.png && scene.camera.subject == Subject::Trees;
-        if is_seen && scene.ground.kind != Cover::None {
+        // The one picture of a leaf by itself shows no ground; where no leaf hangs it is a picture of trees after all.
+        let is_alone = scene.camera.subject == Subject::Leaf
+            && scene.time.is_single()
+            && !wardrobe.shapes.is_empty()
+            && wardrobe.fallen.is_empty();
+        if scene.output.png && scene.ground.kind != Cover::None && !is_alone {
             stock.add_ground(scene, stand);
         }
-        if is_seen && scene.light.clouds > 0.0 && scene.image.background == Backdrop::Sky {
+        if scene.output.png && !is_alone && scene.light.clouds > 0.0 && scene.image.background == Backdrop::Sky {
             let sun = light::lighting(&scene.light, view::axis(&view::camera(scene, stand)), None).sun.direction;
             stock.clouds = Some(stock.push_texture(clouds::texture(scene.seed, [sun.x.into(), sun.z.into()])));
         }
