@@ -110,20 +110,14 @@ impl Prepared<'_> {
         let long = pixel / (-ray.y).max(1e-3);
         let footprint = (pixel * long).sqrt() / ground.tile;
         let detail = texture.sample(uv, footprint);
-        // A second look at another scale and turn breaks the repeats up.
-        let turned = Vec2::new(0.8 * uv.x + 0.6 * uv.y, 0.8 * uv.y - 0.6 * uv.x);
-        let broad = texture.sample(turned / 5.3, footprint / 5.3);
         let mean = texture.mean();
         let [wide, middle, small] =
             [(23.0, 1), (4.9, 2), (1.1, 3)].map(|(size, salt)| patches(place / size, salt, long / size));
         // Longer grass is darker, and where it is thin straw and soil show.
         let upright = if ground.blades > 0.0 { self.tufts(place, pixel, distance) * ground.blades } else { 0.0 };
         let light = 1.0 + 0.28 * wide + 0.45 * middle + 0.40 * small + TUFTS * upright;
-        let dry = (0.0 + 0.50 * (0.6 * wide - 0.5 * middle + 0.6 * small)).clamp(-0.15, 0.5);
-        std::array::from_fn(|k| {
-            let blend = mix(detail[k], broad[k], 0.30) * light;
-            (blend + mean[k] * dry * DRY[k]).max(0.15 * mean[k])
-        })
+        let dry = (0.50 * (0.6 * wide - 0.5 * middle + 0.6 * small)).clamp(-0.15, 0.5);
+        std::array::from_fn(|k| (detail[k] * light + mean[k] * dry * DRY[k]).max(0.15 * mean[k]))
     }
 
     /// Noise of tufts that stand upright: each hides what lies behind it for as far as it is high over the slope of the look, so
