@@ -35,7 +35,7 @@ impl Prepared<'_> {
     fn plain(&self) -> Option<[f32; 3]> {
         match self.frame.background {
             Background::Sky => None,
-            Background::Plain(colour) => Some(colour.map(|c| c / self.frame.view.exposure)),
+            Background::Plain(colour) => Some(self.tone.undone(colour).map(|c| c / self.frame.view.exposure)),
             Background::Transparent => Some([0.0; 3]),
         }
     }
