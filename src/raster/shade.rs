@@ -14,6 +14,9 @@ use crate::base::vector::{Affine, Vec2, Vec3};
 use crate::frame::Material;
 use std::f32::consts::PI;
 
+/// Size up to which an item is small in the picture, pixels.
+const SMALL: i32 = 48;
+
 /// A point of a surface as the eye sees it.
 struct Point {
     position: Vec3,
@@ -96,6 +99,22 @@ fn ambient(prepared: &Prepared, item: &Item, visible: &mut Visible, point: &Poin
     *visible.ambient.get_or_insert_with(|| prepared.ambient(instance.transform.point(cluster.centre)))
 }
 
+/// A colour seen through the air before it. Over an item that is small in the picture the air is the same.
+fn through_air(prepared: &Prepared, item: &Item, visible: &mut Visible, point: &Point, colour: [f32; 3]) -> [f32; 3] {
+    let eye = prepared.projection.eye;
+    let [left, top, right, bottom] = item.bounds;
+    if right - left > SMALL || bottom - top > SMALL {
+        return prepared.atmosphere.hazed(colour, point.position - eye);
+    }
+    let air = visible.air.get_or_insert_with(|| {
+        let transform = &prepared.instances[item.instance as usize].transform;
+        let way = transform.point(item.cluster_in(&prepared.meshes).centre) - eye;
+        let [black, white] = [0.0, 1.0].map(|value| prepared.atmosphere.hazed([value; 3], way));
+        std::array::from_fn(|k| [white[k] - black[k], black[k]])
+    });
+    std::array::from_fn(|k| colour[k] * air[k][0] + air[k][1])
+}
+
 /// The normal on the side of the eye, turned by what the surface's relief says.
 fn in_relief([across, up, out]: [f32; 3], prepared: &Prepared, item: &Item, triangle: u16, point: &Point) -> Vec3 {
     let side = if point.behind { -1.0 } else { 1.0 };
@@ -172,8 +191,7 @@ fn lit(prepared: &Prepared, item: &Item, visible: &mut Visible, triangle: u16, a
             colour[k] += beam + mirror * front[k] / PI;
         }
     }
-    let way = point.position - prepared.projection.eye;
-    if prepared.frame.ground.is_some() { prepared.atmosphere.hazed(colour, way) } else { colour }
+    if prepared.frame.ground.is_some() { through_air(prepared, item, visible, &point, colour) } else { colour }
 }
 
 /// Finds the point of a triangle behind a point of the picture, by homogeneous barycentric coordinates (Olano and Greer

@@ -65,7 +65,7 @@ impl Prepared<'_> {
     fn plain(&self) -> Option<[f32; 3]> {
         match self.frame.background {
             Background::Sky => None,
-            Background::Plain(colour) => Some(colour.map(|c| c / self.frame.view.exposure)),
+            Background::Plain(colour) => Some(self.tone.undone(colour).map(|c| c / self.frame.view.exposure)),
             Background::Transparent => Some([0.0; 3]),
         }
     }
@@ -172,16 +172,10 @@ impl Prepared<'_> {
         let long = pixel / (-ray.y).max(1e-3);
         let footprint = (pixel * long).sqrt() / ground.tile;
         let detail = texture.sample(uv, footprint);
-        // A second look at another scale and turn breaks the repeats up.
-        let turned = Vec2::new(0.8 * uv.x + 0.6 * uv.y, 0.8 * uv.y - 0.6 * uv.x);
-        let broad = texture.sample(turned / 5.3, footprint / 5.3);
         let mean = texture.mean();
         let upright = if ground.blades > 0.0 { self.tufts(place, pixel, distance) * ground.blades } else { 0.0 };
         let light = light + TUFTS * upright;
-        std::array::from_fn(|k| {
-            let blend = mix(detail[k], broad[k], 0.30) * light;
-            (blend + mean[k] * dry * DRY[k]).max(0.15 * mean[k])
-        })
+        std::array::from_fn(|k| (detail[k] * light + mean[k] * dry * DRY[k]).max(0.15 * mean[k]))
     }
 
     /// Noise of tufts that stand upright: each hides what lies behind it for as far as it is high over the slope of the look, so

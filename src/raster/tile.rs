@@ -32,6 +32,8 @@ pub(super) struct Visible {
     pub map: Affine,
     /// The light from all sides at a small item's middle, once it is known.
     pub ambient: Option<Ambient>,
+    /// What the air before a small item keeps of each channel's radiance and what it adds, once they are known.
+    pub air: Option<[[f32; 2]; 3]>,
 }
 
 /// A triangle that won a sample at some time.
@@ -91,7 +93,7 @@ impl<const S: usize> Workspace<S> {
             if !scratch.won.is_empty() {
                 let place = visible.len() as u32;
                 seen.extend(scratch.won.iter().map(|&triangle| Seen { visible: place, triangle }));
-                visible.push(Visible { item: number, map, ambient: None });
+                visible.push(Visible { item: number, map, ambient: None, air: None });
             }
         }
         resolve(prepared, bins, corner, nearest, seen, visible)
