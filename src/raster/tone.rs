@@ -185,6 +185,7 @@ mod tests {
             width: 1,
             height: 1,
             samples: 1,
+            lod_error: 0.3,
             shadow_size: 0,
             exposure: 1.0,
             metered: false,
