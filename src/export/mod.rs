@@ -21,4 +21,4 @@ mod png;
 pub use error::ExportError;
 pub use glb::{Layout, glb};
 pub use placement::Placement;
-pub use png::png;
+pub use png::{grey_8, grey_16, plain, png};

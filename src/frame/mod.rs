@@ -217,7 +217,7 @@ pub struct View {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Samples a pixel: 1, 4, 8 or 16.
+    /// Samples a pixel: 1, 4, 8, 16, 32, 64, 128 or 256.
     pub samples: u32,
     /// Distance in pixels that a coarser mesh may lie from the full one where it stands; 0 for full meshes.
     pub lod_error: f32,

@@ -58,6 +58,10 @@ pub(super) struct Nearest<const S: usize> {
     stale: u64,
 }
 
+fn by_axis<const S: usize>(pattern: &[[i32; 2]; S]) -> [[i32; S]; 2] {
+    [0, 1].map(|axis| pattern.map(|place| place[axis]))
+}
+
 /// The widest rim of a pixel in which no sample lies.
 fn margin<const S: usize>(pattern: &[[i32; 2]; S]) -> i32 {
     let rim = |place: i32| place.min(SUBPIXEL - 1 - place);
@@ -75,16 +79,22 @@ pub(super) fn doubled_area([a, b, c]: &[Vertex; 3]) -> i64 {
 }
 
 impl<const S: usize> Nearest<S> {
-    /// A tile's memory, filled by `clear`.
+    /// A tile's memory, filled by `clear`, for the only pass.
     pub(super) fn new() -> Self {
         Self {
             nearness: vec![[0.0; S]; SIDE * SIDE],
             owner: vec![[0; S]; SIDE * SIDE],
-            pattern: [0, 1].map(|axis| pattern::<S>().map(|place| place[axis])),
-            margin: margin(&pattern::<S>()),
+            pattern: by_axis(&pattern::<S>(1, 0)),
+            margin: margin(&pattern::<S>(1, 0)),
             farthest: [0.0; BLOCKS * BLOCKS],
             stale: u64::MAX,
         }
+    }
+
+    /// Takes samples where they lie in one of several passes.
+    pub(super) fn set_pattern(&mut self, pattern: &[[i32; 2]; S]) {
+        self.pattern = by_axis(pattern);
+        self.margin = margin(pattern);
     }
 
     /// Puts a background into the tile, which stands at every sample with the nearness and the owner that it has there.
@@ -328,7 +338,7 @@ mod tests {
             assert!(draw(&mut tile, [a, d, c], 2));
             let inside = |low: i32, high: i32| {
                 let (low, high) = (low.max(0), high.min(64 * 256));
-                pattern::<8>().len() as i32 * (high - low)
+                pattern::<8>(1, 0).len() as i32 * (high - low)
             };
             let expected = i64::from(inside(a.x, c.x)) * i64::from(c.y.min(64 * 256) - a.y.max(0)) / 65536;
             let owned = (count(&tile, 1) + count(&tile, 2)) as i64;
@@ -430,7 +440,7 @@ mod tests {
     #[test]
     fn every_sample_shows_the_nearest_of_all_triangles_that_own_it() {
         let tile = drawn::<8>(Level::new());
-        let places = pattern::<8>();
+        let places = pattern::<8>(1, 0);
         for (y, x, s) in (0..SIDE).step_by(5).flat_map(|y| (0..SIDE).step_by(3).map(move |x| (y, x, (x + y) % 8))) {
             let at = [x as i32 * SUBPIXEL + places[s][0], y as i32 * SUBPIXEL + places[s][1]];
             let best = triangles().iter().filter_map(|t| nearness_at(t, at)).fold(0.0f64, f64::max);

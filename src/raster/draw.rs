@@ -1,5 +1,6 @@
 //! One cluster drawn into one tile: transform, cut where needed, decide coverage.
 
+use super::Prepared;
 use super::bins::Item;
 use super::clip::{clipped, is_inside, is_outside};
 use super::cluster::{Cluster, LANES};
@@ -34,6 +35,12 @@ impl Corner {
         let within = |edge: i32, corner: usize| (edge - corner as i32).clamp(0, SIDE as i32 - 1) as usize;
         let [left, top, right, bottom] = item.bounds;
         [within(left, self.x), within(top, self.y), within(right, self.x), within(bottom, self.y)]
+    }
+
+    /// How many columns and rows of the tile lie in the picture.
+    pub(super) fn extent(self, prepared: &Prepared) -> [usize; 2] {
+        let view = &prepared.frame.view;
+        [(view.width as usize - self.x).min(SIDE), (view.height as usize - self.y).min(SIDE)]
     }
 
     #[inline(always)]

@@ -21,6 +21,7 @@ mod coverage;
 mod distant_wood;
 mod draw;
 mod even;
+mod layers;
 mod metering;
 mod projection;
 mod renderer;
@@ -51,7 +52,11 @@ use texture::MipMap;
 use tile::Workspace;
 use tone::Tone;
 
+pub use layers::Site;
 pub use renderer::Renderer;
+
+/// The numbers of samples in a pixel that can be drawn.
+pub const SAMPLES: [u32; 8] = [1, 4, 8, 16, 32, 64, 128, 256];
 
 /// Everything the tiles read: made once a frame.
 struct Prepared<'a> {
@@ -65,6 +70,8 @@ struct Prepared<'a> {
     shadow: Option<ShadowMap>,
     projection: Projection,
     tone: Tone,
+    /// Whether tiles tell what is seen in their pixels.
+    wants_sites: bool,
 }
 
 /// Draws a frame by itself; see [`Renderer::draw`].
@@ -74,13 +81,24 @@ pub fn draw(frame: &Frame) -> (Picture, Figures) {
 }
 
 impl Renderer {
-    /// Draws a frame. Meshes must pass their `check`; `frame.view` has at least one pixel and 1, 4, 8 or 16 samples. What
+    /// Draws a frame. Meshes must pass their `check`; `frame.view` has at least one pixel and as many samples as [`SAMPLES`] lists. What
     /// was drawn before changes nothing but the time that it takes.
     #[must_use]
     pub fn draw(&mut self, frame: &Frame) -> (Picture, Figures) {
+        let (picture, _, figures) = self.drawn(frame, false);
+        (picture, figures)
+    }
+
+    /// Draws a frame, and tells what is seen in each pixel, row by row.
+    #[must_use]
+    pub fn draw_with_sites(&mut self, frame: &Frame) -> (Picture, Vec<Site>, Figures) {
+        self.drawn(frame, true)
+    }
+
+    fn drawn(&mut self, frame: &Frame, wants_sites: bool) -> (Picture, Vec<Site>, Figures) {
         if frame.view.metered {
             let metered = metering::metered(frame, self);
-            return self.draw(&metered);
+            return self.drawn(&metered, wants_sites);
         }
         let view = frame.view;
         let meshes = self.meshes(frame);
@@ -94,18 +112,21 @@ impl Renderer {
         let canopy = Canopy::new(frame, &meshes, &textures, &atmosphere);
         let shadow = ShadowMap::new(frame, &meshes);
         let tone = Tone::new(&view);
-        let prepared = Prepared { frame, instances, meshes, textures, atmosphere, canopy, shadow, projection, tone };
-        let tiles: Vec<tile::Pixels> = match view.samples {
+        let prepared =
+            Prepared { frame, instances, meshes, textures, atmosphere, canopy, shadow, projection, tone, wants_sites };
+        let tiles: Vec<tile::Pixels> = match samples::at_once(view.samples) {
             1 => draw_tiles::<1>(&prepared, &bins),
             4 => draw_tiles::<4>(&prepared, &bins),
-            16 => draw_tiles::<16>(&prepared, &bins),
-            _ => draw_tiles::<8>(&prepared, &bins),
+            8 => draw_tiles::<8>(&prepared, &bins),
+            _ => draw_tiles::<16>(&prepared, &bins),
         };
         let picture = assemble(view.width, view.height, bins.columns, &tiles);
         let error: f64 = tiles.iter().map(|pixels| pixels.squared_error).sum();
         let drawn: u64 = bins.items.iter().map(|item| item.cluster_in(&prepared.meshes).triangles.len() as u64).sum();
         let figures = figures(&prepared, error).with("triangles_drawn", drawn).with("lod_error_px", lod_error);
-        (picture, figures)
+        let (width, height) = (view.width as usize, view.height as usize);
+        let sites = if wants_sites { layers::assembled(width, height, bins.columns, &tiles) } else { Vec::new() };
+        (picture, sites, figures)
     }
 }
 
@@ -153,7 +174,7 @@ fn assemble(width: u32, height: u32, columns: usize, tiles: &[tile::Pixels]) -> 
         for (column, part) in line.chunks_mut(tile::SIDE).enumerate() {
             let from = &tiles[column].colours[(y % tile::SIDE) * tile::SIDE..];
             for (pixel, colour) in part.iter_mut().zip(from) {
-                *pixel = [colour[0], colour[1], colour[2], 255];
+                *pixel = *colour;
             }
         }
     });

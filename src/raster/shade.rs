@@ -140,6 +140,11 @@ pub(super) fn surface(
     }
 }
 
+/// The unit normal of a triangle of a visible item on the side of the eye at a point of the picture.
+pub(super) fn normal(prepared: &Prepared, bins: &Bins, visible: &Visible, triangle: u16, at: [f32; 2]) -> Vec3 {
+    point(prepared, &bins.items[visible.item as usize], &visible.map, triangle, at).normal
+}
+
 /// Radiance of a triangle of an item at a point of the picture.
 fn lit(prepared: &Prepared, item: &Item, visible: &mut Visible, triangle: u16, at: [f32; 2]) -> [f32; 3] {
     let mut point = point(prepared, item, &visible.map, triangle, at);

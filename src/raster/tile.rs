@@ -6,10 +6,12 @@ use super::bins::Bins;
 pub(super) use super::coverage::SIDE;
 use super::coverage::{BLOCK, Background, Nearest};
 use super::draw::{self, Corner, Placed, Scratch};
+use super::layers::Site;
 use super::projection::{Lens, composed};
 use super::samples::{SUBPIXEL, pattern};
 use super::{Prepared, shade};
-use crate::base::vector::Affine;
+use crate::base::vector::{Affine, Vec3};
+use crate::frame;
 
 /// Owner of a sample that shows the sky.
 const SKY: u32 = u32::MAX;
@@ -18,8 +20,10 @@ const GROUND: u32 = u32::MAX - 1;
 
 /// A finished tile.
 pub(super) struct Pixels {
-    /// Encoded colours, row by row.
-    pub colours: Vec<[u8; 3]>,
+    /// Encoded colours with straight alpha, row by row.
+    pub colours: Vec<[u8; 4]>,
+    /// What is seen in each pixel, row by row; empty when nobody asks.
+    pub sites: Vec<Site>,
     /// Estimated squared antialiasing error, summed over pixels and channels; 0 with one sample, whose spread is unknown.
     pub squared_error: f64,
 }
@@ -60,18 +64,43 @@ pub(super) struct Workspace<const S: usize> {
     scratch: Scratch,
     visible: Vec<Visible>,
     seen: Vec<Seen>,
+    sums: Vec<Sum>,
 }
 
 impl<const S: usize> Workspace<S> {
     /// Room for one tile.
     pub(super) fn new() -> Self {
-        Self { nearest: Nearest::new(), scratch: Scratch::default(), visible: Vec::new(), seen: Vec::new() }
+        Self {
+            nearest: Nearest::new(),
+            scratch: Scratch::default(),
+            visible: Vec::new(),
+            seen: Vec::new(),
+            sums: Vec::new(),
+        }
     }
 
-    /// Draws the tile at a column and row of tiles.
+    /// Draws the tile at a column and row of tiles, in as many passes as its samples take.
     pub(super) fn draw(&mut self, prepared: &Prepared, bins: &Bins, column: usize, row: usize) -> Pixels {
         let corner = Corner { x: column * SIDE, y: row * SIDE };
-        let Self { nearest, scratch, visible, seen } = self;
+        let passes = prepared.frame.view.samples / S as u32;
+        self.sums.clear();
+        self.sums.resize(SIDE * SIDE, Sum::default());
+        let mut sites = Vec::new();
+        for pass in 0..passes.max(1) {
+            let pattern = pattern::<S>(passes.max(1), pass);
+            self.nearest.set_pattern(&pattern);
+            self.cover(prepared, bins, corner, [column, row]);
+            if pass == 0 && prepared.wants_sites {
+                sites = self.sites(prepared, bins, corner);
+            }
+            self.shade(prepared, bins, corner, &pattern);
+        }
+        self.encoded(prepared, corner, passes.max(1) * S as u32, sites)
+    }
+
+    /// Finds which triangle each sample shows.
+    fn cover(&mut self, prepared: &Prepared, bins: &Bins, corner: Corner, [column, row]: [usize; 2]) {
+        let Self { nearest, scratch, visible, seen, .. } = self;
         nearest.clear(&background(prepared, corner));
         visible.clear();
         seen.clear();
@@ -96,7 +125,114 @@ impl<const S: usize> Workspace<S> {
                 visible.push(Visible { item: number, map, ambient: None, air: None });
             }
         }
-        resolve(prepared, bins, corner, nearest, seen, visible)
+    }
+
+    /// Adds what the samples show to the sums of their pixels.
+    fn shade(&mut self, prepared: &Prepared, bins: &Bins, corner: Corner, pattern: &[[i32; 2]; S]) {
+        let Self { nearest, visible, seen, sums, .. } = self;
+        let view = &prepared.frame.view;
+        let is_open = prepared.frame.background == frame::Background::Transparent;
+        let offsets = pattern.map(|p| p.map(|step| step as f32 / SUBPIXEL as f32));
+        let [width, height] = corner.extent(prepared);
+        let mut groups: Vec<Group> = Vec::with_capacity(S);
+        for (top, left) in (0..height).step_by(BLOCK).flat_map(|y| (0..width).step_by(BLOCK).map(move |x| (y, x))) {
+            let mut backdrop = Backdrop::new(prepared, [(corner.x + left) as f32, (corner.y + top) as f32]);
+            let (right, bottom) = ((left + BLOCK).min(width), (top + BLOCK).min(height));
+            for (y, x) in (top..bottom).flat_map(|y| (left..right).map(move |x| (y, x))) {
+                let place = y * SIDE + x;
+                collect(&mut groups, &nearest.owner[place], seen, &offsets);
+                for group in groups.iter().filter(|group| !is_open || group.owner < GROUND) {
+                    let share = 1.0 / group.samples as f32;
+                    let at = [(corner.x + x) as f32 + group.x * share, (corner.y + y) as f32 + group.y * share];
+                    let colour = match group.owner {
+                        SKY => backdrop.sky(at),
+                        GROUND => backdrop.ground(at),
+                        owner => {
+                            let Seen { visible: place, triangle } = seen[owner as usize];
+                            shade::surface(prepared, bins, &mut visible[place as usize], triangle, at)
+                        }
+                    };
+                    sums[place].add(colour.map(|value| value * view.exposure), group.samples as f32);
+                }
+            }
+        }
+    }
+
+    /// The finished tile of the sums of `count` samples.
+    fn encoded(&self, prepared: &Prepared, corner: Corner, count: u32, sites: Vec<Site>) -> Pixels {
+        let mut pixels = Pixels { colours: vec![[0; 4]; SIDE * SIDE], sites, squared_error: 0.0 };
+        let [width, height] = corner.extent(prepared);
+        for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+            let sum = &self.sums[y * SIDE + x];
+            if sum.covered == 0.0 {
+                continue;
+            }
+            let mean = sum.colour.map(|value| value / sum.covered);
+            let [r, g, b] = prepared.tone.encode_at(mean, corner.x + x, corner.y + y);
+            let alpha = (255.0 * sum.covered / count as f32 + 0.5) as u8;
+            pixels.colours[y * SIDE + x] = [r, g, b, alpha];
+            pixels.squared_error += sum.squared_error(mean);
+        }
+        pixels
+    }
+
+    /// What most samples of each pixel show.
+    fn sites(&self, prepared: &Prepared, bins: &Bins, corner: Corner) -> Vec<Site> {
+        let mut sites = vec![Site::default(); SIDE * SIDE];
+        let [width, height] = corner.extent(prepared);
+        for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+            let place = y * SIDE + x;
+            let owners = self.nearest.owner[place].map(|owner| match owner {
+                GROUND.. => owner,
+                _ => bins.items[self.visible[self.seen[owner as usize].visible as usize].item as usize].instance,
+            });
+            let count = |owner: u32| owners.iter().filter(|other| **other == owner).count();
+            // The first of those that as many samples show.
+            let sample = (0..S).rev().max_by_key(|sample| count(owners[*sample])).unwrap_or(0);
+            let depth = 1.0 / self.nearest.nearness[place][sample];
+            sites[place] = match self.nearest.owner[place][sample] {
+                SKY => Site::default(),
+                GROUND => Site { depth, normal: Vec3::y(), ..Site::default() },
+                owner => {
+                    let Seen { visible, triangle } = self.seen[owner as usize];
+                    let visible = &self.visible[visible as usize];
+                    let at = [(corner.x + x) as f32 + 0.5, (corner.y + y) as f32 + 0.5];
+                    let normal = shade::normal(prepared, bins, visible, triangle, at);
+                    Site { instance: Some(owners[sample]), depth, normal }
+                }
+            };
+        }
+        sites
+    }
+}
+
+/// What the samples of a pixel have shown so far.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum {
+    colour: [f32; 3],
+    squares: [f32; 3],
+    /// Number of the samples that show anything.
+    covered: f32,
+}
+
+impl Sum {
+    #[inline(always)]
+    fn add(&mut self, colour: [f32; 3], samples: f32) {
+        for k in 0..3 {
+            self.colour[k] += colour[k] * samples;
+            self.squares[k] += colour[k] * colour[k] * samples;
+        }
+        self.covered += samples;
+    }
+
+    /// The squared error of the mean if the samples are independent, summed over the channels; 0 for one sample.
+    fn squared_error(&self, mean: [f32; 3]) -> f64 {
+        let count = self.covered;
+        if count < 2.0 {
+            return 0.0;
+        }
+        let spread = |k: usize| (self.squares[k] - mean[k] * mean[k] * count).max(0.0) / ((count - 1.0) * count);
+        (0..3).map(|k| f64::from(spread(k))).sum()
     }
 }
 
@@ -114,71 +250,6 @@ fn background(prepared: &Prepared, corner: Corner) -> Background {
     let (x, y) = (corner.x as f32 - projection.centre[0], corner.y as f32 - projection.centre[1]);
     let at = right * x + down * y - axes[(2, 1)] / projection.eye.y;
     Background { at, right, down, owner: GROUND, beyond: SKY }
-}
-
-fn resolve<const S: usize>(
-    prepared: &Prepared,
-    bins: &Bins,
-    corner: Corner,
-    nearest: &Nearest<S>,
-    seen: &[Seen],
-    visible: &mut [Visible],
-) -> Pixels {
-    let view = &prepared.frame.view;
-    let offsets = pattern::<S>().map(|p| p.map(|step| step as f32 / SUBPIXEL as f32));
-    let mut pixels = Pixels { colours: vec![[0; 3]; SIDE * SIDE], squared_error: 0.0 };
-    let width = (view.width as usize - corner.x).min(SIDE);
-    let height = (view.height as usize - corner.y).min(SIDE);
-    let mut groups: Vec<Group> = Vec::with_capacity(S);
-    for (top, left) in (0..height).step_by(BLOCK).flat_map(|y| (0..width).step_by(BLOCK).map(move |x| (y, x))) {
-        let mut backdrop = Backdrop::new(prepared, [(corner.x + left) as f32, (corner.y + top) as f32]);
-        let (right, bottom) = ((left + BLOCK).min(width), (top + BLOCK).min(height));
-        for (y, x) in (top..bottom).flat_map(|y| (left..right).map(move |x| (y, x))) {
-            let place = y * SIDE + x;
-            collect(&mut groups, &nearest.owner[place], seen, &offsets);
-            let mut shade = |group: &Group| {
-                let share = 1.0 / group.samples as f32;
-                let at = [(corner.x + x) as f32 + group.x * share, (corner.y + y) as f32 + group.y * share];
-                let colour = match group.owner {
-                    SKY => backdrop.sky(at),
-                    GROUND => backdrop.ground(at),
-                    owner => {
-                        let Seen { visible: place, triangle } = seen[owner as usize];
-                        shade::surface(prepared, bins, &mut visible[place as usize], triangle, at)
-                    }
-                };
-                colour.map(|value| value * view.exposure)
-            };
-            let mean = match groups.as_slice() {
-                [group] => shade(group),
-                groups => {
-                    let (mean, squared_error) = mean::<S>(groups, shade);
-                    pixels.squared_error += squared_error;
-                    mean
-                }
-            };
-            pixels.colours[place] = prepared.tone.encode_at(mean, corner.x + x, corner.y + y);
-        }
-    }
-    pixels
-}
-
-/// The mean colour of a pixel's groups, and the squared error that it has if its samples are independent, summed over the
-/// channels.
-fn mean<const S: usize>(groups: &[Group], mut shade: impl FnMut(&Group) -> [f32; 3]) -> ([f32; 3], f64) {
-    let count = S as f32;
-    let mut sum = [0.0f32; 3];
-    let mut squares = [0.0f32; 3];
-    for group in groups {
-        let (colour, weight) = (shade(group), group.samples as f32);
-        for k in 0..3 {
-            sum[k] += colour[k] * weight;
-            squares[k] += colour[k] * colour[k] * weight;
-        }
-    }
-    let mean = sum.map(|s| s / count);
-    let spread = |k: usize| (squares[k] - mean[k] * mean[k] * count).max(0.0) / ((count - 1.0) * count);
-    (mean, (0..3).map(|k| f64::from(spread(k))).sum())
 }
 
 /// Gathers the samples of a pixel by what they show: a cluster is shaded once, at the middle of its samples.

@@ -1,5 +1,6 @@
 //! Draws the frames of a prepared scene and writes their files.
 
+use super::layers::Seen;
 use super::manifest::{Key, Manifest};
 use super::names::Names;
 use super::preparation::Prepared;
@@ -7,7 +8,7 @@ use super::progress::{self, Event, Progress};
 use super::signals::Signals;
 use super::stopwatch::{self, timed};
 use super::wardrobe::Atelier;
-use super::{Options, Outcome, fault, files, leaf_falls, shares_chart, states_file, wardrobe};
+use super::{Options, Outcome, fault, files, layers, leaf_falls, shares_chart, states_file, wardrobe};
 use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault};
 use crate::base::figures::Figures;
 use crate::base::picture::Picture;
@@ -17,7 +18,7 @@ use crate::export;
 use crate::fall::Counts;
 use crate::frame::Frame;
 use crate::plan::{self, PlannedFrame};
-use crate::raster::Renderer;
+use crate::raster::{Renderer, Site};
 use crate::report::{FrameReport, Report};
 use crate::scene::output::{Chart, Gltf};
 use crate::scene::{Scene, camera::Subject};
@@ -195,6 +196,7 @@ impl<'a> Run<'a> {
     ) -> Result<FrameFiles, Diagnostics> {
         let mut pictures = Vec::new();
         let mut files = Vec::new();
+        let mut layers = Vec::new();
         for (number, (states, falls)) in states.iter().zip(falls).enumerate() {
             let of_its_own = if number < stocks.len() { None } else { self.stock(number)? };
             let Some(stock) = stocks.get(number).and_then(Option::as_ref).or(of_its_own.as_ref()) else { continue };
@@ -220,7 +222,19 @@ impl<'a> Run<'a> {
                 _ => frame,
             };
             if scene.output.png {
-                pictures.push((self.scene.seeds.get(number).copied(), self.rasterised(&frame, &worn, stock)?));
+                let (picture, sites) = {
+                    let inset = self.scene.output.inset.then(|| stock.inset(&worn, &frame)).flatten();
+                    let wants_sites = !self.names.layers(index).is_empty();
+                    rasterised((&mut self.report, &mut self.renderer), &frame, inset.as_ref(), wants_sites)?
+                };
+                pictures.push((self.scene.seeds.get(number).copied(), picture));
+                if let Some(sites) = sites {
+                    let seen = Seen { frame: &frame, sites: &sites, stand, states: states.as_ref() };
+                    layers.extend(timed(&mut self.report, "png", || {
+                        let made = layers::layers(&seen).map_err(|error| fault::export(&error))?;
+                        Ok::<_, Diagnostics>((made, Figures::of(0)))
+                    })?);
+                }
             }
             if let (Some(name), Some(layout)) = (self.names.gltf(index), layout) {
                 let bytes = timed(&mut self.report, "gltf", || export::glb(&frame, layout_of(layout)));
@@ -236,6 +250,7 @@ impl<'a> Run<'a> {
             })?;
             files.insert(0, (name, bytes));
         }
+        files.extend(self.names.layers(index).into_iter().zip(layers));
         Ok(files)
     }
 
@@ -249,19 +264,6 @@ impl<'a> Run<'a> {
                 Sheet::in_columns(image.width, image.height, pictures.len(), image.columns).assemble(&pictures)
             }
         }
-    }
-
-    fn rasterised(&mut self, frame: &Frame, worn: &[Option<Garment>], stock: &Stock) -> Result<Picture, Diagnostics> {
-        let inset = self.scene.output.inset.then(|| stock.inset(worn, frame)).flatten();
-        let renderer = &mut self.renderer;
-        timed(&mut self.report, "raster", || {
-            let before = stopwatch::processor_seconds();
-            let (mut picture, figures) = renderer.draw(frame);
-            if let Some(inset) = &inset {
-                picture_inset::place(&mut picture, &renderer.draw(inset).0);
-            }
-            Ok((picture, figures.with("cpu_seconds", stopwatch::processor_seconds() - before)))
-        })
     }
 
     fn states(&mut self, index: i64) -> CellStates {
@@ -326,6 +328,29 @@ impl<'a> Run<'a> {
         frame.fallen = frame.states.get(season::FALLEN).copied().unwrap_or(0);
         self.report.frames.push(frame);
     }
+}
+
+/// The picture of a frame, with another let into it, and what is seen in its pixels if it is asked for.
+fn rasterised(
+    (report, renderer): (&mut Report, &mut Renderer),
+    frame: &Frame,
+    inset: Option<&Frame>,
+    wants_sites: bool,
+) -> Result<(Picture, Option<Vec<Site>>), Diagnostics> {
+    timed(report, "raster", || {
+        let before = stopwatch::processor_seconds();
+        let (mut picture, sites, figures) = if wants_sites {
+            let (picture, sites, figures) = renderer.draw_with_sites(frame);
+            (picture, Some(sites), figures)
+        } else {
+            let (picture, figures) = renderer.draw(frame);
+            (picture, None, figures)
+        };
+        if let Some(inset) = inset {
+            picture_inset::place(&mut picture, &renderer.draw(inset).0);
+        }
+        Ok(((picture, sites), figures.with("cpu_seconds", stopwatch::processor_seconds() - before)))
+    })
 }
 
 fn layout_of(layout: Gltf) -> export::Layout {

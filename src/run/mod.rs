@@ -7,6 +7,7 @@ pub mod fault;
 pub mod files;
 pub mod frame_list;
 mod growth;
+mod layers;
 pub mod leaf;
 mod leaf_falls;
 mod leaf_states;

@@ -40,8 +40,8 @@ settings! {
         height: u32 = 1080, unit "px", range 1 => 1000000;
         /// Cells in a row of a contact sheet; 0 for a grid as square as can be.
         columns: u32 = 0, range 0 => 100;
-        /// Samples in each pixel: 1, 4, 8 or 16.
-        samples: u32 = 8, range 1 => 16;
+        /// Samples in each pixel: 1, 4, 8, 16, 32, 64, 128 or 256.
+        samples: u32 = 8, range 1 => 256;
         /// Distance that a coarser mesh may lie from the full one where it stands; 0 draws full meshes.
         lod_error: f64 = 0.3, unit "px", range 0.0 => 100.0;
         /// What leaves show; all but "lit" are charts that no light changes.
@@ -56,7 +56,7 @@ settings! {
 }
 
 /// The numbers of samples for which there is a pattern.
-pub const SAMPLES: [u32; 4] = [1, 4, 8, 16];
+pub const SAMPLES: [u32; 8] = [1, 4, 8, 16, 32, 64, 128, 256];
 
 /// What is wrong with well-typed settings.
 #[must_use]
@@ -65,7 +65,7 @@ pub fn check(image: &Image) -> Vec<Complaint> {
         return Vec::new();
     }
     let what = format!("{} samples in a pixel have no pattern", image.samples);
-    vec![Complaint::new("samples", what, "write 1, 4, 8 or 16")]
+    vec![Complaint::new("samples", what, "write 1, 4, 8, 16, 32, 64, 128 or 256")]
 }
 
 impl Image {

@@ -34,6 +34,11 @@ settings! {
         /// A chart of the shares of the leaf states against time, with temperature and humidity under it: NAME.shares.svg or .png, once
         /// for all frames; none when absent.
         shares: Option<Chart> = None;
+        /// Pictures of what most samples of each pixel show, beside each frame: NAME.depth.png (16 bits: millimetres along the
+        /// viewing axis, 65535 for more and for the sky), NAME.normal.png (world axes x, y, z: 128 + 127 times each), NAME.leaf.png
+        /// (red, green, blue as one number: 1 for the first leaf of the file of states; 0 for no leaf) and NAME.state.png (1 for
+        /// the first state of that file's order of states; 0 for no leaf). A contact sheet has none.
+        layers: bool = false;
         /// One leaf enlarged in the lower right corner.
         inset: bool = false;
     }
