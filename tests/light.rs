@@ -97,11 +97,11 @@ light = { shadow_size = 512 }
 #[test]
 fn a_turntable_begins_with_the_scene_s_own_view_and_comes_around() {
     let run = SHOOT.replace("time = { day = 0.0 }", "time = { from = 0.0, to = 0.03, step = 0.01 }");
-    let turned = drawn(&run, &["camera.turn=360"]);
+    let turned = drawn(&run, &["camera.turn=360", "ground.kind=none"]);
     assert_eq!(turned.len(), 4);
-    assert_eq!(turned[0], only(SHOOT, &[]));
+    assert!(turned[0] == only(SHOOT, &["ground.kind=none"]), "the first frame is the scene's own view");
     assert!((1..4).all(|frame| turned[frame] != turned[frame - 1]));
-    assert_eq!(turned[1], only(SHOOT, &["camera.orbit=90"]));
+    assert!(turned[1] == only(SHOOT, &["camera.orbit=90", "ground.kind=none"]), "a quarter of the way");
 }
 
 #[test]
@@ -113,7 +113,7 @@ fn a_plain_background_changes_nothing_but_what_lies_behind() {
     assert!(corner[0].abs_diff(51) < 24 && corner[1].abs_diff(128) < 12 && corner[2].abs_diff(230) < 12, "{corner:?}");
     assert_ne!(corner, sky.at(0, 0));
     let differ = (0..shown.len()).filter(|&k| shown[k] && sky.pixels[k] != plain.pixels[k]).count();
-    assert!(shown.iter().filter(|shown| **shown).count() > 500 && differ == 0, "{differ}");
+    assert!(shown.iter().filter(|shown| **shown).count() > 60 && differ == 0, "{differ}");
 }
 
 #[test]

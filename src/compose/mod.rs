@@ -195,10 +195,12 @@ impl Stock {
             self.models.len() as u32 - 1
         };
         let (foot, meadow) = (model("sward", sward::mesh(scene.seed)), model("meadow", sward::meadow(scene.seed)));
-        let camera = view::camera(scene, stand);
+        let camera = turned(scene, 0, view::camera(scene, stand));
         let eye: DVec3 = camera.position.cast();
         let aspect = f64::from(scene.image.width) / f64::from(scene.image.height);
         let half = libm::atan(libm::tan(f64::from(camera.field_of_view) * 0.5) * aspect);
+        // A camera on its way around sees all sides.
+        let half = if scene.camera.turn == 0.0 { half } else { std::f64::consts::PI };
         let trees: Vec<[f64; 2]> = stand.trees.iter().map(|(_, tree)| tree.place).collect();
         let at_feet =
             sward::places(&trees).into_iter().map(|transform| Instance { model: foot, transform, leaf: None });

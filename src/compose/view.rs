@@ -57,10 +57,10 @@ pub(super) fn field_of_view(scene: &Scene) -> f64 {
     }
 }
 
-/// The camera of a frame of the scene: turned around its target as far as the frames before it make it.
+/// The camera of a frame of the scene: turned around its target as the scene says and as the frames before it make it.
 #[must_use]
 pub fn turned(scene: &Scene, frame: i64, camera: Camera) -> Camera {
-    let turn = scene.camera.turn * frame as f64 / scene.time.count().max(1.0);
+    let turn = scene.camera.orbit + scene.camera.turn * frame as f64 / scene.time.count().max(1.0);
     if turn == 0.0 { camera } else { orbited(camera, turn) }
 }
 
@@ -71,7 +71,7 @@ fn orbited(camera: Camera, degrees: f64) -> Camera {
     Camera { position: camera.target + arm.cast::<f32>(), ..camera }
 }
 
-/// The scene's camera; what it leaves open is fitted to the trees, seen from +z.
+/// The scene's camera before it is turned, with which the sun goes; what it leaves open is fitted to the trees, seen from +z.
 pub(super) fn camera(scene: &Scene, stand: &Stand) -> Camera {
     let field_of_view = field_of_view(scene);
     let aspect = f64::from(scene.image.width) / f64::from(scene.image.height);
@@ -93,14 +93,13 @@ pub(super) fn camera(scene: &Scene, stand: &Stand) -> Camera {
         DVec3::new(x, eye + distance * libm::tan(tilt), z)
     };
     let target = scene.camera.target.map_or(fitted_target, DVec3::from);
-    let camera = Camera {
+    Camera {
         position: position.cast::<f32>(),
         target: target.cast::<f32>(),
         field_of_view: field_of_view as f32,
         near: scene.camera.near as f32,
         far: scene.camera.far as f32,
-    };
-    if scene.camera.orbit == 0.0 { camera } else { orbited(camera, scene.camera.orbit) }
+    }
 }
 
 /// The middle of the box of ground that the crowns cover: x and z.

@@ -60,7 +60,8 @@ impl Palette {
             let shared = |own: [f32; 3], of_all: [f32; 3]| std::array::from_fn(|k| mix(own[k], of_all[k], SHARED));
             kinds.push((below as f32 / total as f32, shared(reflected, mean.0), shared(transmitted, mean.1)));
         }
-        let is_bare = kinds.is_empty();
+        // A few leaves that hang on make no foliage.
+        let is_bare = total as usize * 10 <= total as usize + frame.fallen;
         if is_bare {
             kinds = vec![(0.5, BARE[0], [0.0; 3]), (1.0, BARE[1], [0.0; 3])];
         }

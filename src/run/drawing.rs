@@ -13,7 +13,7 @@ use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault};
 use crate::base::figures::Figures;
 use crate::base::picture::Picture;
 use crate::compose::contact_sheet::Sheet;
-use crate::compose::{self, Falls, Garment, Stock, picture_inset};
+use crate::compose::{self, Falls, Stock, picture_inset};
 use crate::export;
 use crate::fall::Counts;
 use crate::frame::Frame;
