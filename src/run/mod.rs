@@ -19,6 +19,7 @@ pub mod progress;
 mod shares_chart;
 pub mod signals;
 mod states_file;
+pub mod still;
 pub mod stopwatch;
 pub mod verify;
 mod wardrobe;
