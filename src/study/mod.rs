@@ -18,6 +18,7 @@ mod environment;
 mod expectation;
 mod fan;
 mod grade;
+mod left_out;
 mod linear;
 mod matrix;
 mod mesh;
@@ -61,6 +62,9 @@ pub fn run(request: &Request, tell: &mut dyn FnMut(&str)) -> Result<bool, Diagno
     }
     if desk.has(Family::Raster) {
         raster::study(&mut desk, scene)?;
+    }
+    if desk.has(Family::LeftOut) {
+        left_out::study(&mut desk)?;
     }
     if desk.has(Family::Trees) {
         statures::study(&mut desk)?;

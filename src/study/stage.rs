@@ -65,6 +65,17 @@ image = { width = 160, height = 120, samples = 8 }
 output = { inset = false }
 "#;
 
+/// A maple in colour whose leaves fall, with every output: what variants leave things out of.
+pub const AUTUMN: &str = r#"species = "red-maple"
+seed = 3
+climate = { temperature = 4.0, humidity = 0.7 }
+time = { day = 8.0 }
+tree = { age = 10 }
+light = { sun_elevation = 34.0, sun_azimuth = 55.0 }
+image = { width = 320, height = 180, samples = 8 }
+output = { png = true, gltf = "nodes", inset = true }
+"#;
+
 /// Writes a scene beside the results and reads it with these assignments.
 ///
 /// # Errors

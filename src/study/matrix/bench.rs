@@ -56,10 +56,6 @@ impl Bench {
         let _ = fs::write(self.folder.join(name), bytes);
     }
 
-    /// The path of a file beside the scenes.
-    pub fn path(&self, name: &str) -> PathBuf {
-        self.folder.join(name)
-    }
 
     /// Renders a scene in a process; `sets` stand above what makes it cheap.
     pub fn render(&self, name: &str, scene: &str, sets: &[&str]) -> Ended {

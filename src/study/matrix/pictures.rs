@@ -32,7 +32,7 @@ pub const CASES: &[Case] = &[
         bench.render("r05d", SMALL, &sets).is_refusal(&["camera.position"])
     }),
     case("R06a", "a texture that is clear everywhere", "error that names the key", |bench| {
-        textured(bench, "r06a", 16, 0).is_refusal(&["leaf.texture"])
+        textured(bench, "r06a", 16, 0).is_refusal(&["r06a.toml", "texture"])
     }),
     case("R06b", "a solid texture", "drawn", |bench| textured(bench, "r06b", 16, 255).is_drawn()),
     case("R06c", "a texture of one pixel", "drawn", |bench| textured(bench, "r06c", 1, 255).is_drawn()),

@@ -69,6 +69,6 @@ mod tests {
         let bench = Bench::new(folder.path(), None);
         assert!(super::CASES.iter().all(|case| !(case.run)(&bench).0));
         bench.clean();
-        assert!(!bench.path("").exists());
+        assert!(!folder.path().join("matrix-scratch").exists());
     }
 }
