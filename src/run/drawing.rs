@@ -6,7 +6,7 @@ use super::preparation::Prepared;
 use super::progress::{self, Event, Progress};
 use super::signals::Signals;
 use super::stopwatch::{self, timed};
-use super::{Options, Outcome, fault, files, leaf_falls, shares_chart, states_file, wardrobe};
+use super::{Options, Outcome, enlargement, fault, files, leaf_falls, shares_chart, states_file, wardrobe};
 use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault};
 use crate::base::figures::Figures;
 use crate::base::picture::Picture;
@@ -40,6 +40,8 @@ pub struct Run<'a> {
     names: Names,
     report: Report,
     states_text: String,
+    /// How many times as large pictures are drawn before they are averaged.
+    enlarged: u32,
 }
 
 impl<'a> Run<'a> {
@@ -47,7 +49,12 @@ impl<'a> Run<'a> {
     pub fn new(scene: &'a Scene, options: &'a Options, cells: Vec<Prepared>, names: Names, report: Report) -> Self {
         let trees = cells.iter().map(|cell| cell.stand.trees.len()).max().unwrap_or(0);
         let states_text = states_file::header(trees > 1, scene.sheet_column());
-        Self { scene, options, cells, names, report, states_text }
+        Self { scene, options, cells, names, report, states_text, enlarged: 1 }
+    }
+
+    /// The same run with pictures that are drawn so many times as large.
+    pub fn enlarged(self, enlarged: u32) -> Self {
+        Self { enlarged, ..self }
     }
 
     /// The report and the text of the file of states.
@@ -239,9 +246,10 @@ impl<'a> Run<'a> {
 
     fn rasterised(&mut self, frame: &Frame, worn: &[Option<Garment>], stock: &Stock) -> Result<Picture, Diagnostics> {
         let inset = self.scene.output.inset.then(|| stock.inset(worn, frame)).flatten();
+        let enlarged = self.enlarged;
         timed(&mut self.report, "raster", || {
             let before = stopwatch::processor_seconds();
-            let (mut picture, figures) = raster::draw(frame);
+            let (mut picture, figures) = enlargement::drawn(frame, enlarged);
             if let Some(inset) = &inset {
                 picture_inset::place(&mut picture, &raster::draw(inset).0);
             }

@@ -12,6 +12,7 @@ use crate::report::Report;
 use crate::scene::camera::Subject;
 use crate::scene::{Scene, Species};
 use crate::season::LeafStates;
+use std::collections::BTreeMap;
 
 /// A scene at a moment: its trees have grown and every leaf's state is drawn.
 pub struct Still {
@@ -44,6 +45,19 @@ impl Still {
     #[must_use]
     pub fn scene(&self) -> &Scene {
         &self.prepared.scene
+    }
+
+    /// The limits in force.
+    #[must_use]
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    /// The number of the species of each leaf, by its id.
+    #[must_use]
+    pub fn species_of_leaves(&self) -> BTreeMap<u64, usize> {
+        let stand = &self.prepared.stand;
+        stand.leaf_ids.iter().copied().zip(stand.species_of_leaves()).collect()
     }
 
     /// The species, whose leaves may be made otherwise; what decides trees and states must stay as it is.

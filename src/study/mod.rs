@@ -26,6 +26,7 @@ pub mod numbers;
 mod oscillator;
 mod outlines;
 mod problems;
+mod quality;
 mod raster;
 mod silhouette;
 mod stability;
@@ -65,6 +66,9 @@ pub fn run(request: &Request, tell: &mut dyn FnMut(&str)) -> Result<bool, Diagno
     }
     if desk.has(Family::LeftOut) {
         left_out::study(&mut desk)?;
+    }
+    if desk.has(Family::Quality) {
+        quality::study(&mut desk)?;
     }
     if desk.has(Family::Trees) {
         statures::study(&mut desk)?;

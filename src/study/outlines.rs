@@ -6,10 +6,15 @@ use crate::species;
 use serde::Deserialize;
 use std::f64::consts::TAU;
 
+/// The outlines without teeth or bristles, on which the rim is judged too.
+pub const SMOOTH: [&str; 2] = ["ellipse", "lobed"];
+
 /// The blades by name: an ellipse, five lobes with teeth, then the species; fewer of them when `quick`.
 #[must_use]
 pub fn all(quick: bool) -> Vec<(String, Settings)> {
-    let mut all = vec![("ellipse".to_owned(), closed(|_| 1.0)), ("lobed".to_owned(), closed(lobes))];
+    let mut all: Vec<(String, Settings)> =
+        SMOOTH.iter().map(|&name| (name.to_owned(), closed(if name == "lobed" { lobes } else { |_| 1.0 }))).collect();
+    all.push(("toothed".to_owned(), closed(teeth)));
     let few = ["red-maple", "english-oak"];
     let names = species::names().filter(|name| !quick || few.contains(name));
     all.extend(names.filter_map(|name| Some((name.to_owned(), blade_of(name)?))));
@@ -27,8 +32,11 @@ pub fn blade_of(name: &str) -> Option<Settings> {
 }
 
 fn lobes(number: u32) -> f64 {
-    let angle = TAU * f64::from(number) / 60.0;
-    1.0 + 0.35 * sin(5.0 * angle) + if number.is_multiple_of(3) { 0.08 } else { 0.0 }
+    1.0 + 0.35 * sin(5.0 * TAU * f64::from(number) / 60.0)
+}
+
+fn teeth(number: u32) -> f64 {
+    lobes(number) + if number.is_multiple_of(3) { 0.08 } else { 0.0 }
 }
 
 /// Sixty key points about the middle of an ellipse of 30 mm and 50 mm, times a factor, from the joint at its lower end.

@@ -56,7 +56,6 @@ impl Bench {
         let _ = fs::write(self.folder.join(name), bytes);
     }
 
-
     /// Renders a scene in a process; `sets` stand above what makes it cheap.
     pub fn render(&self, name: &str, scene: &str, sets: &[&str]) -> Ended {
         self.put(&format!("{name}.toml"), scene.as_bytes());

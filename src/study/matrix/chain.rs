@@ -14,11 +14,19 @@ pub const CASES: &[Case] = &[
         let law = leaves(&KNOWN[4].settings(), &steady(), 1, 1).laws(&[0.0])[0].expected.clone();
         (law == [1.0, 0.0, 0.0, 0.0], format!("{law:?}"))
     }),
-    case("C02a", "1e12 days, a chain that ends", "all in the last state to 1e-12", |_| at_end(&KNOWN[4].settings(), &[0.0, 0.0, 0.0, 1.0])),
-    case("C02b", "1e12 days, a chain that returns", "its stationary law to 1e-12", |_| at_end(&KNOWN[1].settings(), &[0.25, 0.75])),
+    case("C02a", "1e12 days, a chain that ends", "all in the last state to 1e-12", |_| {
+        at_end(&KNOWN[4].settings(), &[0.0, 0.0, 0.0, 1.0])
+    }),
+    case("C02b", "1e12 days, a chain that returns", "its stationary law to 1e-12", |_| {
+        at_end(&KNOWN[1].settings(), &[0.25, 0.75])
+    }),
     case("C04", "a half-life of 0", "error that names the key", |bench| refused(bench, "c04", "half_life", "0.0")),
-    case("C05a", "a half-life below 0", "error that names the key", |bench| refused(bench, "c05a", "half_life", "-3.0")),
-    case("C05b", "a half-life that is no number", "error that names the key", |bench| refused(bench, "c05b", "half_life", "nan")),
+    case("C05a", "a half-life below 0", "error that names the key", |bench| {
+        refused(bench, "c05a", "half_life", "-3.0")
+    }),
+    case("C05b", "a half-life that is no number", "error that names the key", |bench| {
+        refused(bench, "c05b", "half_life", "nan")
+    }),
     case("C06a", "chances that sum to 0", "error that prints the sum", |_| row(&[0.0, 0.0], "sum to 0")),
     case("C06b", "chances that sum to 0.8", "error that prints the sum", |_| row(&[0.4, 0.4], "sum to 0.8")),
     case("C06c", "chances that sum to 1.25", "error that prints the sum", |_| row(&[0.75, 0.5], "sum to 1.25")),
@@ -42,7 +50,9 @@ pub const CASES: &[Case] = &[
     case("C08b", "a climate outside the corners by 1e3", "moved to the corner, counted", |_| outside(1e3)),
     case("C10a", "a climate that changes within the time", "the reference M7 to 1e-12", |_| stepped_climate()),
     case("C10b", "a climate of 100,000 days", "the law of equal days to 1e-9; no leaf lost", |_| long_climate()),
-    case("C11", "frames backwards, one at a time, on one thread and two", "the same states, bit by bit", |_| any_order()),
+    case("C11", "frames backwards, one at a time, on one thread and two", "the same states, bit by bit", |_| {
+        any_order()
+    }),
     case("C12a", "no leaves", "empty but valid", |_| {
         let mut none = leaves(&KNOWN[4].settings(), &steady(), 1, 0);
         let (sample, law) = (none.at(30.0), none.laws(&[30.0]));
@@ -50,7 +60,12 @@ pub const CASES: &[Case] = &[
     }),
     slow("C12b", "ten million leaves", "their law; memory in proportion", |_| many_leaves()),
     case("C13", "the uniform numbers 0 and 1 - 2^-53", "finite waiting times, no endless loop", |_| ends_of_uniform()),
-    case("C15", "the paper's step of a hundred half-lives", "equation (6): all at the direct targets; noticed as long", |_| long_step()),
+    case(
+        "C15",
+        "the paper's step of a hundred half-lives",
+        "equation (6): all at the direct targets; noticed as long",
+        |_| long_step(),
+    ),
 ];
 
 fn at_end(settings: &Settings, expected: &[f64]) -> Seen {
@@ -69,7 +84,8 @@ fn row(chances: &[f64], says: &str) -> Seen {
     a.dry_warm = chances.to_vec();
     let settings = states(&[("a", a), ("b", State::default()), ("c", State::default())]);
     let complaints = season::check(&settings, &steady());
-    let told: Vec<String> = complaints.iter().map(|complaint| format!("{}: {}", complaint.key, complaint.message)).collect();
+    let told: Vec<String> =
+        complaints.iter().map(|complaint| format!("{}: {}", complaint.key, complaint.message)).collect();
     (told.len() == 1 && told[0].contains(says) && told[0].contains("dry_warm"), told.join("; "))
 }
 
@@ -133,7 +149,8 @@ fn any_order() -> Seen {
         days.iter().map(|day| leaves.at(*day).states).collect::<Vec<_>>()
     };
     let alone = || {
-        let mut found: Vec<_> = days.iter().rev().map(|day| leaves(&settings, &steady(), 8, 3000).at(*day).states).collect();
+        let mut found: Vec<_> =
+            days.iter().rev().map(|day| leaves(&settings, &steady(), 8, 3000).at(*day).states).collect();
         found.reverse();
         found
     };
@@ -156,7 +173,9 @@ fn ends_of_uniform() -> Seen {
     let wait = |u: f64| -log1p(-u);
     let [least, most] = [0.0, 1.0 - f64::EPSILON / 2.0].map(wait);
     // A chain whose leaves leave at once, and one that they never leave.
-    let at = |half_life: f64| leaves(&states(&[("a", state(half_life, &[("b", 1.0)])), ("b", State::default())]), &steady(), 1, 1000).at(1.0);
+    let at = |half_life: f64| {
+        leaves(&states(&[("a", state(half_life, &[("b", 1.0)])), ("b", State::default())]), &steady(), 1, 1000).at(1.0)
+    };
     let (fast, slow) = (at(1e-12), at(1e300));
     let finite = fast.since.iter().chain(&slow.since).all(|day| day.is_finite());
     let passes = least == 0.0 && (36.0..37.5).contains(&most) && finite && fast.states.iter().all(|&s| s == 1);
@@ -170,5 +189,8 @@ fn long_step() -> Seen {
     let error = total_variation(&law, &[0.0, 0.6, 0.3, 0.1]);
     let settings = Settings { mode: season::Mode::Paper, step, ..known.settings() };
     let longest = leaves(&settings, &steady(), 1, 1).largest_step();
-    (error < 1e-12 && longest > 0.14, format!("total variation {}, chance of a jump {longest:.1} (0.14 warns)", shown(error)))
+    (
+        error < 1e-12 && longest > 0.14,
+        format!("total variation {}, chance of a jump {longest:.1} (0.14 warns)", shown(error)),
+    )
 }

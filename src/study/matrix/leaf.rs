@@ -12,7 +12,9 @@ pub const CASES: &[Case] = &[
     case("M01a", "three key points", "a mesh", |_| sound(&keys(3))),
     case("M01b", "two key points", "error", |_| refused(&[[0.0, 0.0], [0.0, 50.0]], "fewer than 3 distinct points")),
     case("M01c", "20,000 key points", "a mesh", |_| sound(&keys(20_000))),
-    case("M01d", "100,000 key points", "refused at once, with the most that are taken", |_| refused(&keys(100_000), "100000 points")),
+    case("M01d", "100,000 key points", "refused at once, with the most that are taken", |_| {
+        refused(&keys(100_000), "100000 points")
+    }),
     case("M02a", "every key point twice", "merged: the same mesh", |_| {
         let doubled: Vec<[f64; 2]> = keys(24).into_iter().flat_map(|key| [key, key]).collect();
         same(&keys(24), &doubled)
@@ -134,4 +136,3 @@ fn scaled(scale: f64) -> Seen {
         (Err(error), _) | (_, Err(error)) => (false, error.to_string()),
     }
 }
-

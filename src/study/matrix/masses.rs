@@ -13,12 +13,18 @@ use crate::study::problems::{hexagon, ovate};
 use std::f64::consts::PI;
 
 pub const CASES: &[Case] = &[
-    case("D01a", "springs of 1e8 N/m, half the critical step, 10,000 steps", "energy at most 3 times the start, no trend", |_| {
-        bounded_energy(1e8, 0.5, 10_000, 0.1)
-    }),
-    case("D01b", "springs of 1e8 N/m, 0.9 of the critical step, 10,000 steps", "energy at most 19 times the start, no trend", |_| {
-        bounded_energy(1e8, 0.9, 10_000, 0.1)
-    }),
+    case(
+        "D01a",
+        "springs of 1e8 N/m, half the critical step, 10,000 steps",
+        "energy at most 3 times the start, no trend",
+        |_| bounded_energy(1e8, 0.5, 10_000, 0.1),
+    ),
+    case(
+        "D01b",
+        "springs of 1e8 N/m, 0.9 of the critical step, 10,000 steps",
+        "energy at most 19 times the start, no trend",
+        |_| bounded_energy(1e8, 0.9, 10_000, 0.1),
+    ),
     case("D02a", "a fixed step ten times too long for this mesh", "error that names the safe step", |bench| {
         let sets = ["deform={model=\"paper\", stiffness=1e8, step=3e-7, shapes=1}"];
         bench.render("d02a", SMALL, &sets).is_refusal(&["deform.step", "at most"])
@@ -27,10 +33,17 @@ pub const CASES: &[Case] = &[
         let sets = ["deform={model=\"paper\", stiffness=1e8, step=1e-3, shapes=1}"];
         bench.render("d02b", SMALL, &sets).is_refusal(&["step", "less than"])
     }),
-    case("D03", "the step left to the program, springs of 1e8 N/m", "finite, within 1 % of an eighth of the step", |_| converged()),
+    case(
+        "D03",
+        "the step left to the program, springs of 1e8 N/m",
+        "finite, within 1 % of an eighth of the step",
+        |_| converged(),
+    ),
     case("D04a", "springs of 1 N/m under their weight", "finite, strain bound holds", |_| heavy(1.0)),
     case("D04b", "springs of 1e-6 N/m under their weight", "finite, strain bound holds", |_| heavy(1e-6)),
-    case("D05", "masses of a ratio of 1e4 under a force, 2,000 steps", "momentum is the impulse to 1e-10", |_| impulse()),
+    case("D05", "masses of a ratio of 1e4 under a force, 2,000 steps", "momentum is the impulse to 1e-10", |_| {
+        impulse()
+    }),
     case("D06", "a black mask", "as masses of 0.5 everywhere", |_| black_mask()),
     case("D08", "greys 0, 1 and 255 side by side", "masses 0.5, 0.6931, 5.5452; finite", |_| greys()),
     case("D10", "no stretch allowed", "strain at most 0.01", |_| strain(0.0)),
@@ -38,21 +51,29 @@ pub const CASES: &[Case] = &[
     case("D11b", "a strain bound of 1", "finite, held to 0.01", |_| strain(1.0)),
     case("D11c", "a strain bound of 10", "finite, held to 0.01", |_| strain(10.0)),
     case("D11d", "a strain bound of 1e6: none", "finite, as without equation (2)", |_| strain(1e6)),
-    case("D12a", "a strain bound below 0", "error that names the key", |bench| refused(bench, "d12a", "strain_limit", "-0.1")),
-    case("D12b", "a strain bound that is no number", "error that names the key", |bench| refused(bench, "d12b", "strain_limit", "nan")),
+    case("D12a", "a strain bound below 0", "error that names the key", |bench| {
+        refused(bench, "d12a", "strain_limit", "-0.1")
+    }),
+    case("D12b", "a strain bound that is no number", "error that names the key", |bench| {
+        refused(bench, "d12b", "strain_limit", "nan")
+    }),
     case("D14a", "no dryness", "the input, bit by bit", |_| unmoved(&Settings::default(), 0.0)),
     case("D14b", "no force", "the input, bit by bit", |_| unmoved(&Settings { force: 0.0, ..paper() }, 1.0)),
     case("D15a", "a step of 0", "error that names the key", |bench| refused(bench, "d15a", "step", "0.0")),
     case("D15b", "a step below 0", "error that names the key", |bench| refused(bench, "d15b", "step", "-1e-4")),
     case("D15c", "a step that is no number", "error that names the key", |bench| refused(bench, "d15c", "step", "nan")),
-    case("D15d", "a step of 1e-300 s", "finite, or error that names the key", |bench| refused(bench, "d15d", "step", "1e-300")),
+    case("D15d", "a step of 1e-300 s", "finite, or error that names the key", |bench| {
+        refused(bench, "d15d", "step", "1e-300")
+    }),
     case("D15e", "a step of 1e300 s", "error that names the key", |bench| refused(bench, "d15e", "step", "1e300")),
     case("D16a", "no steps", "the input", |_| unmoved(&Settings { steps: 0, ..paper() }, 1.0)),
     slow("D16b", "ten million steps", "finite, strain bound holds, constant memory", |_| many_steps()),
     case("D33", "a million undamped steps", "energy bounded, slope below 1e-9 a step", |_| {
         bounded_energy(40.0, 0.5, 1_000_000, 1e-3)
     }),
-    case("D34", "a turning leaf, one turn", "angular momentum to 1e-10, strain as the centrifugal estimate", |_| turning()),
+    case("D34", "a turning leaf, one turn", "angular momentum to 1e-10, strain as the centrifugal estimate", |_| {
+        turning()
+    }),
 ];
 
 fn paper() -> Settings {
@@ -119,7 +140,8 @@ fn apart(found: &Mesh, exact: &Mesh, mesh: &FlatMesh) -> f64 {
     let square = |(p, q): (&crate::base::vector::Vec3, &crate::base::vector::Vec3)| f64::from((p - q).norm_squared());
     let apart: f64 = found.positions.iter().zip(&exact.positions).map(square).sum();
     let flat = |p: &crate::base::vector::DVec2| crate::base::vector::Vec3::new(p.x as f32, p.y as f32, 0.0);
-    let moved: f64 = exact.positions.iter().zip(&mesh.positions).map(|(p, q)| f64::from((p - flat(q)).norm_squared())).sum();
+    let moved: f64 =
+        exact.positions.iter().zip(&mesh.positions).map(|(p, q)| f64::from((p - flat(q)).norm_squared())).sum();
     (apart / moved.max(f64::MIN_POSITIVE)).sqrt()
 }
 
@@ -229,5 +251,8 @@ fn turning() -> Seen {
     // The pull of all masses on one spring, at most.
     let pull: f64 = springs.masses().iter().zip(springs.positions()).map(|(m, p)| m * PI * PI * p.norm()).sum();
     let bound = 2.0 * pull / (40.0 * 0.004);
-    (lost < 1e-10 && strain < bound, format!("lost {}; strain {} of at most {}", shown(lost), shown(strain), shown(bound)))
+    (
+        lost < 1e-10 && strain < bound,
+        format!("lost {}; strain {} of at most {}", shown(lost), shown(strain), shown(bound)),
+    )
 }

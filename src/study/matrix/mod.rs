@@ -59,7 +59,13 @@ pub fn study(desk: &mut Desk<'_>) -> Result<(), Diagnostics> {
     for case in cases() {
         if case.is_slow && desk.request.quick {
             skipped += 1;
-            table.push(vec![case.id.into(), case.what.into(), case.expects.into(), "left to the full study".into(), "".into()]);
+            table.push(vec![
+                case.id.into(),
+                case.what.into(),
+                case.expects.into(),
+                "left to the full study".into(),
+                "".into(),
+            ]);
             continue;
         }
         count += 1;

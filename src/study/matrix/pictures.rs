@@ -20,7 +20,9 @@ pub const CASES: &[Case] = &[
         bench.render("r01d", SMALL, &["image.samples=4096"]).is_refusal(&["image.samples"])
     }),
     case("R03", "two leaves in one plane", "the same bytes on one thread and two, and again", |_| twins()),
-    case("R05a", "the camera inside a leaf", "a finite picture", |_| looking(Vec3::new(0.01, 0.0, 1e-4), Vec3::new(0.01, 0.4, 1e-4))),
+    case("R05a", "the camera inside a leaf", "a finite picture", |_| {
+        looking(Vec3::new(0.01, 0.0, 1e-4), Vec3::new(0.01, 0.4, 1e-4))
+    }),
     case("R05b", "the camera looking straight up", "a finite picture", |_| {
         looking(Vec3::new(0.0, -2.0, 0.0), Vec3::new(0.0, 2.0, 0.0))
     }),
@@ -40,7 +42,9 @@ pub const CASES: &[Case] = &[
         let scene = format!("{SMALL}[leaf]\nvertices = 40\ntexture = \"none.png\"\n");
         bench.render("r06d", &scene, &[]).is_refusal(&["none.png"])
     }),
-    case("R07a", "the sun below the horizon", "drawn", |bench| bench.render("r07a", SMALL, &["light.sun_elevation=-20"]).is_drawn()),
+    case("R07a", "the sun below the horizon", "drawn", |bench| {
+        bench.render("r07a", SMALL, &["light.sun_elevation=-20"]).is_drawn()
+    }),
     case("R07b", "no light at all", "a black picture where nothing shines", |_| lit(0.0)),
     case("R07c", "light of 1e6", "no overflow: a white picture where the leaves are lit", |_| lit(1e6)),
 ];

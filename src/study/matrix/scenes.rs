@@ -25,10 +25,14 @@ pub const CASES: &[Case] = &[
         stages_without(bench, "s01e", ended.code, &["leaf", "deform", "colour"])
     }),
     case("S02a", "an unknown key", "error with its place and the nearest known key", |bench| {
-        bench.render("s02a", &format!("{SMALL}[climate]\nhumidty = 0.5\n"), &[]).is_refusal(&["s02a.toml:4:1", "humidity"])
+        bench
+            .render("s02a", &format!("{SMALL}[climate]\nhumidty = 0.5\n"), &[])
+            .is_refusal(&["s02a.toml:4:1", "humidity"])
     }),
     case("S02b", "a value of the wrong type", "error with its place", |bench| {
-        bench.render("s02b", &format!("{SMALL}[climate]\nhumidity = \"wet\"\n"), &[]).is_refusal(&["s02b.toml:4:12", "climate.humidity"])
+        bench
+            .render("s02b", &format!("{SMALL}[climate]\nhumidity = \"wet\"\n"), &[])
+            .is_refusal(&["s02b.toml:4:12", "climate.humidity"])
     }),
     case("S02c", "a scene that is not there", "error that names it", |bench| {
         let arguments = ["render", "none.toml", "--out", "none-out"].map(str::to_owned);
@@ -36,7 +40,9 @@ pub const CASES: &[Case] = &[
     }),
     case("S02d", "a PNG that cannot be read", "error that names it", |bench| {
         bench.put("broken.png", b"\x89PNG\r\n\x1a\nnonsense");
-        bench.render("s02d", &format!("{SMALL}[leaf]\nvertices = 40\nmask = \"broken.png\"\n"), &[]).is_refusal(&["broken.png"])
+        bench
+            .render("s02d", &format!("{SMALL}[leaf]\nvertices = 40\nmask = \"broken.png\"\n"), &[])
+            .is_refusal(&["broken.png"])
     }),
     case("S02e", "an output folder that cannot be made", "error that names it", |bench| {
         bench.put("plain", b"a file");

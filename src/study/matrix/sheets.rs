@@ -17,7 +17,9 @@ pub const CASES: &[Case] = &[
     case("D07", "a white mask", "stays flat to 1e-9", |_| {
         flat_to(&FlatMesh { greys: vec![255.0; ovate(6).positions.len()], ..ovate(6) }, 1e-9)
     }),
-    case("D09a", "a mask of 16 bits a channel", "converted", |bench| masked(bench, "d09a", png::ColorType::Grayscale, 16, 32)),
+    case("D09a", "a mask of 16 bits a channel", "converted", |bench| {
+        masked(bench, "d09a", png::ColorType::Grayscale, 16, 32)
+    }),
     case("D09b", "a mask in colours", "converted", |bench| masked(bench, "d09b", png::ColorType::Rgb, 8, 32)),
     case("D09c", "a mask with alpha", "converted", |bench| masked(bench, "d09c", png::ColorType::Rgba, 8, 32)),
     case("D09d", "a mask of another size than the texture", "read between its pixels", |bench| {
@@ -39,12 +41,18 @@ pub const CASES: &[Case] = &[
     slow("D28", "100,000 vertices", "settles in at most twice the iterations of 2,000", |_| large()),
     case("D29a", "a leaf of a millionth of the size", "the same shape to 1e-6", |_| scaled(1e-6)),
     case("D29b", "a leaf of a million times the size", "the same shape to 1e-6", |_| scaled(1e6)),
-    case("D31", "a matrix that is not positive definite: a flat start that wants to buckle", "left by a push, counted", |_| {
-        buckling()
-    }),
-    case("D32a", "implicit Euler, stretch 1e7 times stiffer than bending", "finite, energy at most 10 times the start", |_| {
-        stiff(Method::Implicit { steps: 8 })
-    }),
+    case(
+        "D31",
+        "a matrix that is not positive definite: a flat start that wants to buckle",
+        "left by a push, counted",
+        |_| buckling(),
+    ),
+    case(
+        "D32a",
+        "implicit Euler, stretch 1e7 times stiffer than bending",
+        "finite, energy at most 10 times the start",
+        |_| stiff(Method::Implicit { steps: 8 }),
+    ),
     case("D32b", "position-based dynamics, the same", "finite, energy at most 10 times the start", |_| {
         stiff(Method::PositionBased { steps: 100 })
     }),
@@ -70,7 +78,8 @@ fn figure(figures: &Figures, name: &str) -> f64 {
 /// Root mean square distance of a shape's vertices from the flat blade, metres.
 fn rise(shape: &Mesh, mesh: &FlatMesh) -> f64 {
     let away = |(p, q): (&crate::base::vector::Vec3, &DVec2)| {
-        (DVec3::new(f64::from(p.x) - f64::from(q.x as f32), f64::from(p.y) - f64::from(q.y as f32), f64::from(p.z))).norm_squared()
+        (DVec3::new(f64::from(p.x) - f64::from(q.x as f32), f64::from(p.y) - f64::from(q.y as f32), f64::from(p.z)))
+            .norm_squared()
     };
     let sum: f64 = shape.positions.iter().zip(&mesh.positions).map(away).sum();
     (sum / mesh.positions.len().max(1) as f64).sqrt()
@@ -166,7 +175,9 @@ fn free() -> Seen {
     }
     let all: f64 = areas.iter().sum();
     let mean = |of: &dyn Fn(usize) -> f64| (0..areas.len()).map(|v| of(v) * areas[v]).sum::<f64>() / all;
-    let moved = |v: usize, axis: usize| f64::from(made[0].positions[v][axis]) - if axis < 2 { mesh.positions[v][axis] } else { 0.0 };
+    let moved = |v: usize, axis: usize| {
+        f64::from(made[0].positions[v][axis]) - if axis < 2 { mesh.positions[v][axis] } else { 0.0 }
+    };
     let centre = (0..3).map(|axis| mean(&|v| moved(v, axis)).abs()).fold(0.0, f64::max);
     let middle = [0, 1].map(|axis| mean(&|v| mesh.positions[v][axis]));
     // The turn that fits best in the plane: its sine is the sum of the cross products over that of the products.
@@ -209,7 +220,8 @@ fn triangles(count: usize) -> Seen {
 
 fn large() -> Seen {
     let settings = shell(shell::Settings { curl: 10.0, ..shell::Settings::default() });
-    let iterations = |rings| shapes(&settings, &ovate(rings), &[1.0]).map(|(_, figures)| figure(&figures, "iterations"));
+    let iterations =
+        |rings| shapes(&settings, &ovate(rings), &[1.0]).map(|(_, figures)| figure(&figures, "iterations"));
     match (iterations(26), iterations(182)) {
         (Ok(few), Ok(many)) => (many <= 2.0 * few, format!("{many} iterations, {few} at 2,107 vertices")),
         (Err(error), _) | (_, Err(error)) => (false, error.to_string()),
@@ -233,7 +245,8 @@ fn buckling() -> Seen {
     match plates::settled(&settings, (16, 1.0), &[[0.0; 3]], 0.1) {
         Some(made) => {
             let rise = made.positions.iter().map(|p| p.z.abs()).fold(0.0, f64::max);
-            let observed = format!("{} saddles left, rises by {rise:.3}, energy {:.3} of flat", made.saddles, made.energy_share);
+            let observed =
+                format!("{} saddles left, rises by {rise:.3}, energy {:.3} of flat", made.saddles, made.energy_share);
             (made.saddles > 0 && rise > 0.05 && made.energy_share < 0.5, observed)
         }
         None => (false, "does not settle".to_owned()),
