@@ -364,7 +364,9 @@ fn plan_outputs(plan: &mut Plan, scene: &Scene) {
     } else {
         plan.leave("gltf", Reason::NotAskedFor);
     }
-    if scene.light.shadow_size > 0 && (scene.light.sun <= 0.0 || scene.light.sun_elevation <= 0.0) {
+    if scene.light.shadow_size > 0
+        && (scene.light.sun <= 0.0 || (scene.light.date.is_none() && scene.light.sun_elevation <= 0.0))
+    {
         plan.leave("raster shadow map", Reason::NoEffect);
     }
 }

@@ -72,6 +72,8 @@ pub struct Reached {
     pub samples: u32,
     /// How many times as large in each direction a picture is drawn before it is averaged.
     pub enlarged: u32,
+    /// Distance in pixels that a coarser mesh may lie from the full one.
+    pub lod_error_px: f64,
     /// What was chosen for the leaves, species by species.
     pub leaves: Vec<ChosenLeaf>,
     /// The part of each stage in the error: leaf (the rim and the shapes of meshes), deform (the solver), raster (samples, levels

@@ -4,7 +4,9 @@ use gltf::Gltf;
 use leafseason::base::mesh::Mesh;
 use leafseason::base::vector::{Affine, DVec3, Mat3, Vec2, Vec3, rotated};
 use leafseason::export::{ExportError, Layout, glb};
-use leafseason::frame::{Camera, Frame, Ground, Instance, Material, Model, Part, Sky, Sun, Texture, ToneMap, View};
+use leafseason::frame::{
+    Background, Camera, Frame, Ground, Instance, Material, Model, Part, Sky, Sun, Texture, ToneMap, UNBALANCED, View,
+};
 use std::sync::Arc;
 
 const LAYOUTS: [Layout; 3] = [Layout::Nodes, Layout::Merged, Layout::Instanced];
@@ -96,14 +98,18 @@ fn frame() -> Frame {
             far: 100.0,
         },
         sun: Sun { direction: Vec3::y(), irradiance: [1.0; 3] },
-        sky: Sky { zenith: [0.2; 3], horizon: [0.5; 3] },
+        sky: Sky { zenith: [0.2; 3], horizon: [0.5; 3], ..Sky::default() },
         ground: Some(Ground { texture: 3, tile: 1.0, haze: 50.0, ..Ground::default() }),
+        background: Background::Sky,
         view: View {
             width: 8,
             height: 8,
             samples: 1,
+            lod_error: 0.3,
             shadow_size: 0,
             exposure: 1.0,
+            metered: false,
+            balance: UNBALANCED,
             tone_map: ToneMap::None,
             wireframe: None,
         },

@@ -2,7 +2,9 @@
 
 use leafseason::base::mesh::Mesh;
 use leafseason::base::vector::{Affine, Vec2, Vec3};
-use leafseason::frame::{Camera, Frame, Instance, Material, Model, Part, Sky, Sun, Texture, ToneMap, View, Wireframe};
+use leafseason::frame::{
+    Background, Camera, Frame, Instance, Material, Model, Part, Sky, Sun, Texture, ToneMap, UNBALANCED, View, Wireframe,
+};
 use leafseason::raster;
 use std::f32::consts::PI;
 
@@ -59,14 +61,18 @@ fn frame() -> Frame {
             far: 100.0,
         },
         sun: Sun { direction: above(Vec3::z()), irradiance: [0.0; 3] },
-        sky: Sky { zenith: [0.0; 3], horizon: [0.0; 3] },
+        sky: Sky { zenith: [0.0; 3], horizon: [0.0; 3], ..Sky::default() },
         ground: None,
+        background: Background::Sky,
         view: View {
             width: WIDTH,
             height: HEIGHT,
             samples: 8,
+            lod_error: 0.3,
             shadow_size: 256,
             exposure: 1.0,
+            metered: false,
+            balance: UNBALANCED,
             tone_map: ToneMap::None,
             wireframe: None,
         },
@@ -90,7 +96,7 @@ fn assert_near(got: [u8; 4], expected: [u8; 3]) {
 #[test]
 fn under_an_even_sky_a_leaf_shows_reflectance_plus_transmittance() {
     let mut frame = frame();
-    frame.sky = Sky { zenith: [1.0; 3], horizon: [1.0; 3] };
+    frame.sky = Sky { zenith: [1.0; 3], horizon: [1.0; 3], ..Sky::default() };
     assert_near(middle(&frame), codes([0.3, 0.7, 0.15]));
     let corner = raster::draw(&frame).0.at(0, 0);
     assert_eq!(corner, [255; 4]);
@@ -177,7 +183,7 @@ fn something_between_sun_and_leaf_casts_its_shadow() {
 #[test]
 fn a_square_covers_its_exact_share_of_the_picture() {
     let mut frame = frame();
-    frame.sky = Sky { zenith: [0.0; 3], horizon: [0.0; 3] };
+    frame.sky = Sky { zenith: [0.0; 3], horizon: [0.0; 3], ..Sky::default() };
     frame.sun.irradiance = [PI / 0.2, PI / 0.4, PI / 0.1];
     frame.view.samples = 16;
     // Half a metre of height at 4 m is a quarter of the picture's 4 m.
@@ -195,7 +201,7 @@ fn a_square_covers_its_exact_share_of_the_picture() {
 #[test]
 fn a_wireframe_covers_its_exact_share_and_leaves_the_rest_as_it_is() {
     let mut frame = frame();
-    frame.sky = Sky { zenith: [1.0; 3], horizon: [1.0; 3] };
+    frame.sky = Sky { zenith: [1.0; 3], horizon: [1.0; 3], ..Sky::default() };
     let plain = raster::draw(&frame).0;
     frame.view.wireframe = Some(Wireframe { width: 1.5, colour: [0.0; 3] });
     let lined = raster::draw(&frame).0;
@@ -218,7 +224,7 @@ fn an_unlit_surface_shows_its_colour_in_any_light() {
     let mut frame = frame();
     frame.materials[0].unlit = true;
     for (light, exposure) in [(0.0, 1.0), (7.0, 0.25), (0.1, 40.0)] {
-        frame.sky = Sky { zenith: [light; 3], horizon: [light; 3] };
+        frame.sky = Sky { zenith: [light; 3], horizon: [light; 3], ..Sky::default() };
         frame.view.exposure = exposure;
         assert_near(middle(&frame), codes([0.2, 0.4, 0.1]));
     }
@@ -227,7 +233,7 @@ fn an_unlit_surface_shows_its_colour_in_any_light() {
 #[test]
 fn what_is_behind_the_eye_or_cut_by_it_is_drawn_without_harm() {
     let mut frame = frame();
-    frame.sky = Sky { zenith: [1.0; 3], horizon: [1.0; 3] };
+    frame.sky = Sky { zenith: [1.0; 3], horizon: [1.0; 3], ..Sky::default() };
     frame.camera.position = Vec3::new(0.0, 0.0, 0.01);
     frame.camera.target = Vec3::new(0.0, 1.0, 0.01);
     let picture = raster::draw(&frame).0;
@@ -240,7 +246,7 @@ fn what_is_behind_the_eye_or_cut_by_it_is_drawn_without_harm() {
 #[test]
 fn any_number_of_threads_draws_the_same_picture() {
     let mut frame = frame();
-    frame.sky = Sky { zenith: [0.3, 0.5, 0.9], horizon: [0.8; 3] };
+    frame.sky = Sky { zenith: [0.3, 0.5, 0.9], horizon: [0.8; 3], ..Sky::default() };
     frame.sun = Sun { direction: Vec3::new(0.36, 0.48, 0.8), irradiance: [2.0; 3] };
     for step in 0..300u64 {
         let place = |k| leafseason::base::random::hash_unit(step, k) * 3.0 - 1.5;

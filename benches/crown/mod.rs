@@ -5,7 +5,9 @@ use leafseason::base::maths::{cos, sin};
 use leafseason::base::mesh::Mesh;
 use leafseason::base::random::{Purpose, Stream};
 use leafseason::base::vector::{Affine, DVec3, Mat3, Vec2, Vec3, rotated};
-use leafseason::frame::{Camera, Frame, Ground, Instance, Material, Model, Part, Sky, Sun, Texture, ToneMap, View};
+use leafseason::frame::{
+    Background, Camera, Frame, Ground, Instance, Material, Model, Part, Sky, Sun, Texture, ToneMap, UNBALANCED, View,
+};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -37,14 +39,18 @@ pub fn frame() -> Frame {
             far: 1000.0,
         },
         sun: Sun { direction: Vec3::new(0.5, 0.6, 0.6).normalize(), irradiance: [3.0, 2.8, 2.4] },
-        sky: Sky { zenith: [0.1, 0.2, 0.5], horizon: [0.5, 0.6, 0.7] },
+        sky: Sky { zenith: [0.1, 0.2, 0.5], horizon: [0.5, 0.6, 0.7], ..Sky::default() },
         ground: Some(Ground { texture: 2, tile: 2.0, haze: 200.0, ..Ground::default() }),
+        background: Background::Sky,
         view: View {
             width: 1920,
             height: 1080,
             samples: 8,
+            lod_error: 0.3,
             shadow_size: 2048,
             exposure: 1.0,
+            metered: false,
+            balance: UNBALANCED,
             tone_map: ToneMap::Neutral,
             wireframe: None,
         },

@@ -35,8 +35,14 @@ impl Affine {
 
     /// The image of a point.
     #[must_use]
+    #[inline(always)]
     pub fn point(&self, point: Vec3) -> Vec3 {
-        self.linear * point + self.translation
+        let [[a, b, c], [d, e, f], [g, h, i]] = self.linear.data.0;
+        Vec3::new(
+            a * point.x + d * point.y + g * point.z + self.translation.x,
+            b * point.x + e * point.y + h * point.z + self.translation.y,
+            c * point.x + f * point.y + i * point.z + self.translation.z,
+        )
     }
 }
 

@@ -1,4 +1,4 @@
-//! The texture of a meadow: blades of grass drawn over soil, wrapping at the rim so that it tiles.
+//! The texture of a meadow, blades of grass drawn over soil, or of bare soil; wrapping at the rim so that it tiles.
 
 use crate::base::encoding::SrgbEncoder;
 use crate::base::maths::{cos, mix, sin};
@@ -15,21 +15,32 @@ const TILE: f32 = 2.56;
 /// Blades in one repeat, about 6,000 a square metre of those that show.
 const BLADES: u64 = 40_000;
 
-/// The ground with its texture's number and what grows on it.
-pub(super) fn ground(texture: u32, cover: Vec<Instance>) -> Ground {
-    Ground { texture, tile: TILE, haze: 1500.0, wood: 0.036, cover }
+/// Metres after which clear air of turbidity 1 hides all but 1/e (judged: a visual range of 50 km at turbidity 2.5, less what
+/// dust and damp near the ground take).
+const HAZE: f64 = 18_000.0;
+
+/// The ground with its texture's number and what grows on it, in air of a turbidity.
+pub(super) fn ground(texture: u32, cover: Vec<Instance>, turbidity: f64, is_grass: bool) -> Ground {
+    let blades = if is_grass { 1.0 } else { 0.0 };
+    Ground { texture, tile: TILE, haze: (HAZE / turbidity) as f32, wood: None, blades, cover }
 }
 
-/// Paints the meadow.
-pub(super) fn texture(seed: u64) -> Texture {
+/// Paints the meadow, or bare soil.
+pub(super) fn texture(seed: u64, is_grass: bool) -> Texture {
     let (soils, droughts) = (Fractal::new(96, 96, 1, hash(seed, 1)), Fractal::new(3, 3, 3, hash(seed, 2)));
+    let crumbs = Fractal::new(31, 31, 4, hash(seed, 4));
     let mut linear = vec![[0.0f32; 3]; (SIZE * SIZE) as usize];
     linear.par_iter_mut().enumerate().for_each(|(index, texel)| {
         let (u, v) = ((index as i32 % SIZE) as f32 / SIZE as f32, (index as i32 / SIZE) as f32 / SIZE as f32);
         let soil = 0.6 + 0.8 * soils.at(u, v);
-        *texel = [0.055 * soil, 0.058 * soil, 0.022 * soil];
+        *texel = if is_grass {
+            [0.055 * soil, 0.058 * soil, 0.022 * soil]
+        } else {
+            let crumbs = soil * (0.55 + 0.9 * crumbs.at(u, v)) * (0.7 + 0.6 * droughts.at(u, v));
+            [0.135 * crumbs, 0.100 * crumbs, 0.068 * crumbs]
+        };
     });
-    for blade in 0..BLADES {
+    for blade in 0..if is_grass { BLADES } else { 0 } {
         draw_blade(&mut linear, &droughts, seed, blade);
     }
     let encoder = SrgbEncoder::default();
@@ -43,9 +54,9 @@ fn draw_blade(linear: &mut [[f32; 3]], droughts: &Fractal, seed: u64, number: u6
     let angle = random.range(0.0, TAU);
     let length = random.range(8.0, 26.0);
     let (u, v) = (x as f32 / SIZE as f32, y as f32 / SIZE as f32);
-    let dry = droughts.at(u, v) * 0.9 - 0.25 + 0.35 * random.uniform() as f32;
+    let dry = droughts.at(u, v) * 0.8 - 0.32 + 0.35 * random.uniform() as f32;
     let shade = random.range(0.55, 1.25) as f32;
-    let green = [0.092, 0.142, 0.030];
+    let green = [0.078, 0.142, 0.028];
     let straw = [0.26, 0.22, 0.085];
     let colour: [f32; 3] = std::array::from_fn(|k| mix(green[k], straw[k], dry.clamp(0.0, 1.0)) * shade);
     let steps = length as usize;

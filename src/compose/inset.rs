@@ -4,7 +4,7 @@ use super::petiole::Petiole;
 use super::{Garment, Stock};
 use crate::base::mesh::Mesh;
 use crate::base::vector::{Affine, Mat3, Vec3};
-use crate::frame::{Camera, Frame, Instance, Sky, Texture};
+use crate::frame::{Background, Camera, Frame, Instance, Sky, Texture};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -35,9 +35,9 @@ impl Stock {
         view.shadow_size = view.shadow_size.min(1024);
         let mut sun = frame.sun;
         sun.direction = Vec3::new(-0.45, 0.62, 0.64).normalize();
-        let light: [f32; 3] = std::array::from_fn(|k| 0.5 * (frame.sky.zenith[k] + frame.sky.horizon[k]));
-        let mean = (light[0] + light[1] + light[2]) / 3.0;
-        let sky = Sky { zenith: [mean; 3], horizon: [mean * 1.5; 3] };
+        // A third of a level white surface's light comes from all sides.
+        let mean = 0.2 / frame.view.exposure.max(1e-9);
+        let sky = Sky { zenith: [mean; 3], horizon: [mean * 1.5; 3], ..Sky::default() };
         let (meshes, textures) = self.only(model);
         Some(Frame {
             meshes,
@@ -56,6 +56,7 @@ impl Stock {
             sun,
             sky,
             ground: None,
+            background: Background::Sky,
             view,
         })
     }

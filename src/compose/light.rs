@@ -1,21 +1,19 @@
 //! Sun, sky and exposure of a scene.
 
-use crate::base::maths::{exp, pow, sin, sincos, tan};
-use crate::base::vector::{DVec3, Vec3};
-use crate::frame::{Sky, Sun};
+use super::daylight::{self, LUX};
+use super::sun_position;
+use crate::base::calendar::Date;
+use crate::base::maths::{pow, sincos, tan};
+use crate::base::vector::DVec3;
+use crate::frame::{ClearSky, Clouds, Sky, Sun};
 use crate::scene;
 use std::f64::consts::PI;
 
-/// Optical depth of a clear sky overhead for red, green and blue (colour notes after Kasten and Young 1989; judged).
-const DEPTH: [f64; 3] = [0.11, 0.18, 0.35];
-/// Irradiance of the sun above the air; the unit of every light in a frame.
-const SOLAR: f64 = 4.0;
-/// Radiance of a clear zenith and horizon, relative to `SOLAR` / 4, for a high sun (judged against photographs: the sky
-/// gives about a quarter of the sun's light at noon).
-const ZENITH: [f64; 3] = [0.105, 0.185, 0.36];
-const HORIZON: [f64; 3] = [0.34, 0.41, 0.50];
-/// Displayed value of a white surface that lies level in sun and sky.
+/// Exposed radiance of a white surface that lies level in sun and sky, as an incident light meter's reading sets it: about a
+/// stop over mid grey at 18 %, as cameras render sunlit scenes (judged).
 const WHITE: f64 = 1.7;
+/// Illuminance that an incident light meter calls EV 0 at ISO 100, lux (ISO 2720 with C = 250).
+const EV_ZERO: f64 = 2.5;
 
 /// Lights and exposure.
 pub(super) struct Lighting {
@@ -24,37 +22,74 @@ pub(super) struct Lighting {
     pub exposure: f32,
 }
 
-/// The lights of a scene seen by a camera that looks along `view` (its height is ignored).
-pub(super) fn lighting(settings: &scene::Light, view: DVec3) -> Lighting {
-    let elevation = settings.sun_elevation.to_radians();
-    let irradiance = DEPTH.map(|depth| settings.sun * SOLAR * exp(-depth * air_mass(settings.sun_elevation.max(0.0))));
-    // A low sun lights less sky; after sunset it fades.
-    let day = (sin(elevation) * 2.2 + 0.25).clamp(0.02, 1.0);
-    let scaled = |radiance: [f64; 3]| radiance.map(|r| r * settings.sky * day);
-    let (zenith, horizon) = (scaled(ZENITH), scaled(HORIZON));
-    let level = |k: usize| irradiance[k] * sin(elevation).max(0.0) + PI * 0.5 * (zenith[k] + horizon[k]);
-    let luminance = 0.2126 * level(0) + 0.7152 * level(1) + 0.0722 * level(2);
-    let exposure = if luminance > 0.0 { WHITE * PI / luminance * pow(2.0, settings.exposure) } else { 1.0 };
+/// The lights of a scene seen by a camera that looks along `view` (its height is ignored). `clouds` is the number of their
+/// texture.
+pub(super) fn lighting(settings: &scene::Light, view: DVec3, clouds: Option<u32>) -> Lighting {
+    let (elevation, direction) = sun_direction(settings, view);
+    let cover = settings.clouds;
+    let clear = daylight::clear(elevation, settings.turbidity);
+    let overcast = daylight::overcast(elevation).map(|r| r * settings.sky);
+    // Clouds hide the sun the more surely the more there are; a few leave it free.
+    let free = 1.0 - cover * cover * (3.0 - 2.0 * cover);
+    let full = daylight::sunlight(elevation, settings.turbidity);
+    let irradiance = full.map(|e| e * settings.sun * free);
+    let scale = settings.sky as f32;
+    let whole = ClearSky { radiance: clear.radiance.map(|r| r * scale), ..clear };
+    let thinned = ClearSky { radiance: whole.radiance.map(|r| r * (1.0 - cover) as f32), ..whole };
+    let diffuse = daylight::level(&thinned, elevation);
+    let sine = direction.y.max(0.0);
+    let level: [f64; 3] =
+        std::array::from_fn(|k| irradiance[k] * sine + diffuse[k] + cover * overcast[k] * PI * 7.0 / 9.0);
+    let level = daylight::luminance(level);
+    let sky = Sky {
+        zenith: overcast.map(|r| (r * cover) as f32),
+        horizon: overcast.map(|r| (r * cover / 3.0) as f32),
+        clear: Some(thinned),
+        clouds: clouds.map(|texture| {
+            // A cloud scatters about two thirds of what meets it; its base sees little of the sun.
+            let beam: [f64; 3] = std::array::from_fn(|k| full[k] * settings.sun * 0.60 / PI + 0.8 * overcast[k]);
+            Clouds {
+                texture,
+                cover: cover as f32,
+                lit: beam.map(|r| r as f32),
+                shaded: std::array::from_fn(|k| (0.9 * overcast[k] + 0.10 * full[k] * settings.sun / PI) as f32),
+            }
+        }),
+    };
     Lighting {
-        sun: Sun { direction: sun_direction(settings, view), irradiance: irradiance.map(|e| e as f32) },
-        sky: Sky { zenith: zenith.map(|r| r as f32), horizon: horizon.map(|r| r as f32) },
-        exposure: exposure as f32,
+        sun: Sun { direction: direction.cast::<f32>(), irradiance: irradiance.map(|e| e as f32) },
+        sky,
+        exposure: exposure(settings, level) as f32,
     }
 }
 
-/// Unit vector to the sun: azimuth 0 is behind the camera, 90 degrees to its right.
-fn sun_direction(settings: &scene::Light, view: DVec3) -> Vec3 {
+/// The factor on radiance: as an incident meter reads this level irradiance, or as the scene sets the exposure value.
+fn exposure(settings: &scene::Light, level: f64) -> f64 {
+    let read = settings.exposure_value.map_or(level, |value| EV_ZERO * pow(2.0, value) / LUX);
+    if read > 0.0 { WHITE * PI / read * pow(2.0, settings.exposure) } else { 1.0 }
+}
+
+/// Elevation, degrees, and unit vector to the sun: azimuth 0 is behind the camera, 90 degrees to its right; with a date,
+/// as the almanac says, north lying where the scene says.
+fn sun_direction(settings: &scene::Light, view: DVec3) -> (f64, DVec3) {
+    if let Some(day) = settings.date.as_deref().and_then(Date::parse) {
+        let place = sun_position::place(day.day_of_year() as f64, settings.hour, settings.latitude);
+        let (east, north) = sincos((place.azimuth + settings.north).to_radians());
+        let (up, along) = sincos(place.elevation.to_radians());
+        return (place.elevation, DVec3::new(east * along, up, -north * along));
+    }
     let level = DVec3::new(view.x, 0.0, view.z).try_normalize(1e-9).unwrap_or_else(|| -DVec3::z());
     let right = level.cross(&DVec3::y());
     let (sine, cosine) = sincos(settings.sun_azimuth.to_radians());
     let (height, along) = sincos(settings.sun_elevation.to_radians());
     let direction = (right * sine - level * cosine) * along + DVec3::y() * height;
-    direction.normalize().cast::<f32>()
+    (settings.sun_elevation, direction.normalize())
 }
 
-/// Relative length of the sun's path through the air (Kasten and Young 1989), for an elevation in degrees.
-fn air_mass(elevation: f64) -> f64 {
-    1.0 / (sin(elevation.to_radians()) + 0.505_72 * pow(elevation + 6.079_95, -1.6364))
+/// What an incident light meter shows for this level irradiance: EV at ISO 100.
+#[cfg(test)]
+fn exposure_value(level: f64) -> f64 {
+    libm::log2(level * LUX / EV_ZERO)
 }
 
 /// A crown as the camera's fit sees it, relative to the point that the camera is turned to; metres.
@@ -109,19 +144,44 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_air_mass_is_one_overhead_and_two_at_thirty_degrees() {
-        assert!((air_mass(90.0) - 1.0).abs() < 1e-3);
-        assert!((air_mass(30.0) - 2.0).abs() < 0.01);
-        assert!((air_mass(0.0) - 38.0).abs() < 1.0);
+    fn azimuth_turns_from_behind_the_camera_to_its_right() {
+        let mut settings = scene::Light { sun_elevation: 0.0, sun_azimuth: 0.0, ..scene::Light::default() };
+        let behind = sun_direction(&settings, -DVec3::z()).1;
+        assert!((behind - DVec3::z()).norm() < 1e-6);
+        settings.sun_azimuth = 90.0;
+        assert!((sun_direction(&settings, -DVec3::z()).1 - DVec3::x()).norm() < 1e-6);
     }
 
     #[test]
-    fn azimuth_turns_from_behind_the_camera_to_its_right() {
-        let mut settings = scene::Light { sun_elevation: 0.0, sun_azimuth: 0.0, ..scene::Light::default() };
-        let behind = sun_direction(&settings, -DVec3::z());
-        assert!((behind - Vec3::z()).norm() < 1e-6);
-        settings.sun_azimuth = 90.0;
-        assert!((sun_direction(&settings, -DVec3::z()) - Vec3::x()).norm() < 1e-6);
+    fn by_date_the_noon_sun_of_the_north_is_behind_a_camera_that_looks_north() {
+        let date = Some("2017-06-21".to_owned());
+        let settings = scene::Light { date, hour: 12.0, latitude: 45.0, ..scene::Light::default() };
+        let (elevation, sun) = sun_direction(&settings, -DVec3::z());
+        assert!((elevation - 68.4).abs() < 0.5 && sun.z > 0.3 && sun.x.abs() < 0.05, "{elevation} {sun:?}");
+        let turned = scene::Light { north: 90.0, ..settings };
+        assert!(sun_direction(&turned, -DVec3::z()).1.x < -0.3);
+    }
+
+    #[test]
+    fn a_clear_noon_is_ev_15_and_each_step_halves_the_exposure() {
+        let settings = scene::Light { sun_elevation: 60.0, ..scene::Light::default() };
+        let lighting = lighting(&settings, -DVec3::z(), None);
+        // The "sunny 16" rule: f/16 at 1/100 s.
+        let level = WHITE * PI / f64::from(lighting.exposure);
+        assert!((exposure_value(level) - 15.0).abs() < 0.5, "{}", exposure_value(level));
+        let set = |value: f64| exposure(&scene::Light { exposure_value: Some(value), ..scene::Light::default() }, 1.0);
+        assert!((set(14.0) / set(15.0) - 2.0).abs() < 1e-9);
+        assert!((set(exposure_value(level)) / f64::from(lighting.exposure) - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn clouds_take_the_sun_and_even_the_sky() {
+        let under = |clouds: f64| lighting(&scene::Light { clouds, ..scene::Light::default() }, -DVec3::z(), None);
+        let (open, half, closed) = (under(0.0), under(0.5), under(1.0));
+        assert!(half.sun.irradiance[1] < open.sun.irradiance[1] && closed.sun.irradiance[1] == 0.0);
+        assert_eq!(closed.sky.zenith[1], closed.sky.horizon[1] * 3.0);
+        assert!(closed.sky.clear.is_some_and(|sky| sky.radiance == [0.0; 3]));
+        assert!(closed.exposure > open.exposure);
     }
 
     #[test]

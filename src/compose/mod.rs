@@ -6,9 +6,12 @@
 
 mod bark;
 mod bark_pattern;
+mod clouds;
 pub mod contact_sheet;
+mod daylight;
 mod falls;
 mod ground;
+mod hosek_wilkie;
 mod inset;
 mod leaf_area;
 mod light;
@@ -17,23 +20,27 @@ mod petiole;
 pub mod picture_inset;
 mod specimen;
 mod stand;
+mod sun_position;
 mod sward;
 mod texture_size;
 mod view;
+mod white_balance;
+mod wood_edge;
 
 pub use falls::{Dropped, Fall, Falls, Look};
 pub use leaf_area::blade_area;
 pub use litter::BROWN;
 pub use stand::{Form, Stand};
 pub use texture_size::{largest_texture, texture_size};
+pub use view::turned;
 
 use crate::base::mesh::Mesh;
 use crate::base::random::{Purpose, Stream};
-use crate::base::vector::{Affine, Mat3, Vec3};
+use crate::base::vector::{Affine, DVec3, Mat3, Vec3};
 use crate::colour::Painted;
 use crate::fall::Stalk;
 use crate::frame::{Frame, Instance, Material, Model, Part, Texture};
-use crate::scene::{Scene, Species, ground::Cover, image::Leaves};
+use crate::scene::{Scene, Species, camera::Subject, ground::Cover, image::Backdrop, image::Leaves};
 use crate::tree::LeafSite;
 use litter::{Lying, Stalks};
 use petiole::Petiole;
@@ -96,6 +103,8 @@ pub struct Stock {
     flat: BTreeMap<Garment, u32>,
     lying_stalks: BTreeMap<u64, u32>,
     ground: Option<crate::frame::Ground>,
+    /// Number of the texture of clouds.
+    clouds: Option<u32>,
     /// Reliefs that textures were made of, and their numbers.
     reliefs: Vec<(Arc<Vec<[u8; 3]>>, u32)>,
 }
@@ -110,8 +119,13 @@ impl Stock {
         for (number, tag) in tags.iter().enumerate() {
             stock.add_leaves(scene, stand, (number, tag), wardrobe);
         }
-        if scene.output.png && scene.ground.kind == Cover::Grass {
+        let is_seen = scene.output.png && scene.camera.subject == Subject::Trees;
+        if is_seen && scene.ground.kind != Cover::None {
             stock.add_ground(scene, stand);
+        }
+        if is_seen && scene.light.clouds > 0.0 && scene.image.background == Backdrop::Sky {
+            let sun = light::lighting(&scene.light, view::axis(&view::camera(scene, stand)), None).sun.direction;
+            stock.clouds = Some(stock.push_texture(clouds::texture(scene.seed, [sun.x.into(), sun.z.into()])));
         }
         stock
     }
@@ -153,16 +167,37 @@ impl Stock {
     }
 
     fn add_ground(&mut self, scene: &Scene, stand: &Stand) {
-        let texture = self.push_texture(ground::texture(scene.seed));
+        let is_grass = scene.ground.kind == Cover::Grass;
+        let texture = self.push_texture(ground::texture(scene.seed, is_grass));
+        let is_open = scene.image.background == Backdrop::Sky;
+        let cover = if is_grass && is_open { self.add_grass(scene, stand) } else { Vec::new() };
+        let mut ground = ground::ground(texture, cover, scene.light.turbidity, is_grass);
+        if is_open && scene.ground.wood {
+            let [form, crowns] = wood_edge::textures(scene.seed).map(|texture| self.push_texture(texture));
+            ground.wood = Some(wood_edge::wood(form, crowns));
+        }
+        self.ground = Some(ground);
+    }
+
+    /// Blades of grass at the trees' feet and before the camera.
+    fn add_grass(&mut self, scene: &Scene, stand: &Stand) -> Vec<Instance> {
         let palette = self.push_texture(sward::palette());
-        let grass = Material { reflected: Some(palette), ..wood("sward", [1.0; 3]) };
-        let mesh = self.push_mesh(Arc::new(sward::mesh(scene.seed)));
-        let part = Part { material: self.push_material(grass), mesh };
-        let model = self.models.len() as u32;
-        self.models.push(Model { name: "sward".to_owned(), parts: vec![part] });
-        let places: Vec<[f64; 2]> = stand.trees.iter().map(|(_, tree)| tree.place).collect();
-        let instance = |transform| Instance { model, transform, leaf: None };
-        self.ground = Some(ground::ground(texture, sward::places(&places).into_iter().map(instance).collect()));
+        let material = self.push_material(Material { reflected: Some(palette), ..wood("sward", [1.0; 3]) });
+        let mut model = |name: &str, mesh: Mesh| {
+            let part = Part { material, mesh: self.push_mesh(Arc::new(mesh)) };
+            self.models.push(Model { name: name.to_owned(), parts: vec![part] });
+            self.models.len() as u32 - 1
+        };
+        let (foot, meadow) = (model("sward", sward::mesh(scene.seed)), model("meadow", sward::meadow(scene.seed)));
+        let camera = view::camera(scene, stand);
+        let eye: DVec3 = camera.position.cast();
+        let aspect = f64::from(scene.image.width) / f64::from(scene.image.height);
+        let half = libm::atan(libm::tan(f64::from(camera.field_of_view) * 0.5) * aspect);
+        let trees: Vec<[f64; 2]> = stand.trees.iter().map(|(_, tree)| tree.place).collect();
+        let at_feet =
+            sward::places(&trees).into_iter().map(|transform| Instance { model: foot, transform, leaf: None });
+        let before = sward::meadow_places(eye.into(), view::axis(&camera).into(), half);
+        at_feet.chain(before.into_iter().map(|transform| Instance { model: meadow, transform, leaf: None })).collect()
     }
 
     /// The models that leaves of a species wear.
@@ -307,8 +342,7 @@ impl Stock {
     #[must_use]
     pub fn frame(&self, scene: &Scene, stand: &Stand, worn: &[Option<Garment>]) -> Frame {
         let camera = view::camera(scene, stand);
-        let view_axis = (camera.target - camera.position).cast::<f64>();
-        let lighting = light::lighting(&scene.light, view_axis);
+        let lighting = light::lighting(&scene.light, view::axis(&camera), self.clouds);
         let hanging = worn.iter().flatten().count();
         let mut instances = Vec::with_capacity(stand.trees.len() + hanging);
         for (form, standing) in &stand.trees {
@@ -339,6 +373,7 @@ impl Stock {
             sun: lighting.sun,
             sky: lighting.sky,
             ground: self.ground.clone(),
+            background: view::background(scene),
             view: view::view(scene, lighting.exposure),
         }
     }

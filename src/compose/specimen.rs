@@ -3,7 +3,7 @@
 
 use super::{Garment, Stock};
 use crate::base::vector::{Affine, Vec3};
-use crate::frame::{Camera, Frame, Instance, Sky, Sun};
+use crate::frame::{Background, Camera, Frame, Instance, Sky, Sun};
 use crate::scene::Scene;
 use std::f32::consts::PI;
 
@@ -34,8 +34,9 @@ impl Stock {
             fallen: 0,
             camera: self.before(model, scene)?,
             sun: Sun { direction, irradiance: [sun; 3] },
-            sky: Sky { zenith: even, horizon: even },
+            sky: Sky { zenith: even, horizon: even, ..Sky::default() },
             ground: None,
+            background: Background::Sky,
             view: frame.view,
         })
     }
@@ -46,7 +47,7 @@ impl Stock {
         let bounds = parts.iter().filter_map(|part| self.meshes[part.mesh as usize].bounds());
         let (low, high) = bounds.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))?;
         let (middle, size) = ((low + high) * 0.5, high - low);
-        let field_of_view = scene.camera.field_of_view.to_radians() as f32;
+        let field_of_view = super::view::field_of_view(scene) as f32;
         let aspect = scene.image.width as f32 / scene.image.height as f32;
         let half = (size.y.max(size.x / aspect) * 0.5).max(1e-6) / FILL;
         let distance = half / libm::tanf(field_of_view * 0.5) + size.z * 0.5;

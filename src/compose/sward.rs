@@ -1,5 +1,5 @@
-//! Blades of grass about the foot of the tree, so that the trunk stands in the meadow and not on it. Farther away the
-//! ground's texture is enough.
+//! Blades of grass about the foot of the tree, so that the trunk stands in the meadow and not on it, and tufts before the
+//! camera. Farther away the ground's texture is enough.
 
 use crate::base::maths::{cos, sin, sincos};
 use crate::base::mesh::Mesh;
@@ -68,6 +68,54 @@ pub(super) fn places(trees: &[[f64; 2]]) -> Vec<Affine> {
 /// Turn between successive swards, radians.
 const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
+/// Side of a patch of meadow, metres, tufts on it and blades in a tuft: what shows above the sward as a whole.
+const PATCH: f64 = 2.5;
+const TUFTS: u64 = 90;
+const BLADES: u64 = 14;
+/// How far from the eye patches of meadow are laid, metres; beyond, a blade is thinner than a third of a pixel.
+const MEADOW: f64 = 26.0;
+
+/// Where patches of meadow lie before a camera: on the squares of a lattice that its picture may show, each turned by
+/// quarters.
+pub(super) fn meadow_places(eye: [f64; 3], axis: [f64; 3], half_width: f64) -> Vec<Affine> {
+    let heading = libm::atan2(axis[0], -axis[2]);
+    let reach = (MEADOW / PATCH) as i64;
+    let [column, row] = [eye[0], eye[2]].map(|place| (place / PATCH).floor() as i64);
+    let squares = (row - reach..=row + reach).flat_map(|z| (column - reach..=column + reach).map(move |x| (x, z)));
+    let place = |(x, z): (i64, i64)| {
+        let (across, along) = ((x as f64 + 0.5) * PATCH - eye[0], (z as f64 + 0.5) * PATCH - eye[2]);
+        let distance = libm::hypot(across, along);
+        let aside = libm::atan2(across, -along) - heading;
+        let off = (aside - TAU * (aside / TAU).round()).abs();
+        let seen = off < half_width + libm::atan2(PATCH, distance) && distance > 0.5 * eye[1];
+        let quarter = hash(x as u64, z as u64) & 3;
+        let (sine, cosine) = [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][quarter as usize];
+        let translation = Vec3::new(((x as f64 + 0.5) * PATCH) as f32, 0.0, ((z as f64 + 0.5) * PATCH) as f32);
+        let linear = Mat3::new(cosine, 0.0, sine, 0.0, 1.0, 0.0, -sine, 0.0, cosine);
+        (seen && distance < MEADOW).then_some(Affine { linear, translation })
+    };
+    if eye[1] > 12.0 { Vec::new() } else { squares.filter_map(place).collect() }
+}
+
+/// Tufts of grass on a patch of meadow about the origin.
+pub(super) fn meadow(seed: u64) -> Mesh {
+    let mut mesh = Mesh::default();
+    for tuft in 0..TUFTS {
+        let mut random = Stream::new(seed, Purpose::Surroundings, tuft, 2);
+        let middle = [random.range(-0.5, 0.5) * PATCH, random.range(-0.5, 0.5) * PATCH];
+        let tall = random.range(0.035, 0.10);
+        let hue = random.uniform();
+        for _ in 0..BLADES {
+            let spread = 0.05 + 0.5 * tall;
+            let foot = middle.map(|place| place + spread * random.normal().clamp(-2.0, 2.0));
+            let height = tall * random.range(0.5, 1.2);
+            let own = (0.6 * hue + 0.5 * random.uniform()).min(0.999);
+            blade(&mut mesh, &mut random, foot, [height, own, 0.0016]);
+        }
+    }
+    mesh
+}
+
 /// The blades, thinning out from the tree's foot.
 pub(super) fn mesh(seed: u64) -> Mesh {
     let mut mesh = Mesh::default();
@@ -87,25 +135,28 @@ fn sow(mesh: &mut Mesh, tufts: &Fractal, seed: u64, [row, column]: [i32; 2], cou
     let (u, v) = (column as f32 / (2 * REACH) as f32 + 0.5, row as f32 / (2 * REACH) as f32 + 0.5);
     let tuft = f64::from(tufts.at(u, v));
     for _ in 0..(count * (0.3 + 1.4 * tuft)) as usize {
-        let foot = Vec3::new(
-            ((f64::from(column) + random.uniform()) * CELL) as f32,
-            0.0,
-            ((f64::from(row) + random.uniform()) * CELL) as f32,
-        );
+        let foot = [f64::from(column), f64::from(row)].map(|place| (place + random.uniform()) * CELL);
         let height = random.range(0.03, 0.11) * (0.5 + tuft);
-        let lean = random.range(0.1, 0.8) * height;
-        let (towards, across) = (random.range(0.0, TAU), random.range(0.0, TAU));
-        let tip = foot + Vec3::new((lean * cos(towards)) as f32, height as f32, (lean * sin(towards)) as f32);
-        let half = Vec3::new((0.002 * cos(across)) as f32, 0.0, (0.002 * sin(across)) as f32);
-        let hue = (random.uniform() * COLOURS.len() as f64).min(COLOURS.len() as f64 - 1.0);
-        let u = (hue.floor() as f32 + 0.5) / COLOURS.len() as f32;
-        let first = mesh.positions.len() as u32;
-        mesh.positions.extend([foot - half, foot + half, tip]);
-        mesh.uvs.extend([Vec2::new(u, 0.94), Vec2::new(u, 0.94), Vec2::new(u, 0.06)]);
-        // Grass as a whole faces the sky; its single blades would sparkle. A triangle for each side keeps that normal.
-        mesh.normals.extend([Vec3::y(); 3]);
-        mesh.triangles.extend([[first, first + 1, first + 2], [first + 1, first, first + 2]]);
+        let hue = random.uniform().min(0.999);
+        blade(mesh, &mut random, foot, [height, hue, 0.002]);
     }
+}
+
+/// Adds a blade of a height (metres), a hue (0 to 1, green to straw) and half a width (metres).
+fn blade(mesh: &mut Mesh, random: &mut Stream, foot: [f64; 2], [height, hue, half]: [f64; 3]) {
+    let foot = Vec3::new(foot[0] as f32, 0.0, foot[1] as f32);
+    let lean = random.range(0.1, 0.8) * height;
+    let (towards, across) = (random.range(0.0, TAU), random.range(0.0, TAU));
+    let tip = foot + Vec3::new((lean * cos(towards)) as f32, height as f32, (lean * sin(towards)) as f32);
+    let half = Vec3::new((half * cos(across)) as f32, 0.0, (half * sin(across)) as f32);
+    let u = ((hue * COLOURS.len() as f64).floor() as f32 + 0.5) / COLOURS.len() as f32;
+    let first = mesh.positions.len() as u32;
+    mesh.positions.extend([foot - half, foot + half, tip]);
+    mesh.uvs.extend([Vec2::new(u, 0.94), Vec2::new(u, 0.94), Vec2::new(u, 0.06)]);
+    // Grass as a whole faces the sky, its single blades a little to their own side. A triangle for each side keeps that.
+    let normal = Vec3::new((0.45 * sin(across)) as f32, 1.0, (-0.45 * cos(across)) as f32).normalize();
+    mesh.normals.extend([normal; 3]);
+    mesh.triangles.extend([[first, first + 1, first + 2], [first + 1, first, first + 2]]);
 }
 
 #[cfg(test)]
@@ -125,5 +176,19 @@ mod tests {
         assert_eq!(sward.check(), Ok(()));
         assert!((5_000..160_000).contains(&sward.triangles.len()), "{}", sward.triangles.len());
         assert!(sward.positions.iter().all(|p| (0.0..0.2).contains(&p.y)));
+    }
+
+    #[test]
+    fn a_meadow_lies_before_the_camera_and_not_behind_it() {
+        let places = meadow_places([1.0, 1.6, 20.0], [0.0, 0.0, -1.0], 0.3);
+        assert!((20..120).contains(&places.len()), "{}", places.len());
+        for place in &places {
+            let (across, along) = (f64::from(place.translation.x) - 1.0, 20.0 - f64::from(place.translation.z));
+            assert!(along > -PATCH && libm::hypot(across, along) < MEADOW, "{place:?}");
+        }
+        assert!(meadow_places([0.0, 40.0, 0.0], [0.0, 0.0, -1.0], 0.3).is_empty());
+        let patch = meadow(1);
+        assert_eq!(patch.check(), Ok(()));
+        assert_eq!(patch.triangles.len() as u64, 2 * TUFTS * BLADES);
     }
 }

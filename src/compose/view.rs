@@ -2,26 +2,30 @@
 
 use super::light::{Circle, fitted};
 use super::stand::Stand;
-use crate::base::vector::DVec3;
-use crate::frame::{Camera, ToneMap, View, Wireframe};
-use crate::scene::{Scene, image::Leaves, light::Tone};
+use super::white_balance::balance;
+use crate::base::maths::srgb_to_linear;
+use crate::base::vector::{DVec3, rotated};
+use crate::frame::{Background, Camera, ToneMap, UNBALANCED, View, Wireframe};
+use crate::scene::{Scene, image::Backdrop, image::Leaves, light::Metering, light::Tone};
 
-/// Height of the eye of a fitted camera: a standing person's, metres.
-const EYE: f64 = 1.6;
 /// Colour of a wireframe's lines.
 const LINES: [f32; 3] = [0.02, 0.03, 0.05];
-/// Share of the picture that fitted trees fill.
-const FILL: f64 = 0.84;
+/// Width of a full-frame camera's picture, millimetres.
+const FULL_FRAME: f64 = 36.0;
 
 pub(super) fn view(scene: &Scene, exposure: f32) -> View {
     View {
         width: scene.image.width,
         height: scene.image.height,
         samples: scene.image.samples,
+        lod_error: scene.image.lod_error as f32,
         shadow_size: scene.light.shadow_size,
         exposure,
+        metered: scene.light.metering == Metering::Auto && scene.light.exposure_value.is_none(),
+        balance: if scene.image.leaves == Leaves::Lit { balance(scene.light.white_balance) } else { UNBALANCED },
         tone_map: match (scene.light.tone, scene.image.leaves) {
             (Tone::Neutral, Leaves::Lit) => ToneMap::Neutral,
+            (Tone::Agx, Leaves::Lit) => ToneMap::Agx,
             // charts show their colours as they are
             _ => ToneMap::None,
         },
@@ -30,9 +34,46 @@ pub(super) fn view(scene: &Scene, exposure: f32) -> View {
     }
 }
 
+/// What is seen where nothing stands.
+pub(super) fn background(scene: &Scene) -> Background {
+    match scene.image.background {
+        Backdrop::Sky => Background::Sky,
+        Backdrop::Plain => Background::Plain(scene.image.background_colour.map(|c| srgb_to_linear(c as f32))),
+        Backdrop::Transparent => Background::Transparent,
+    }
+}
+
+/// The direction in which a camera looks; not of unit length.
+pub(super) fn axis(camera: &Camera) -> DVec3 {
+    (camera.target - camera.position).cast()
+}
+
+/// Angle from the lower to the upper rim, radians: as set, or of a full-frame lens whose picture is 36 mm wide.
+pub(super) fn field_of_view(scene: &Scene) -> f64 {
+    let aspect = f64::from(scene.image.width) / f64::from(scene.image.height);
+    match scene.camera.focal_length {
+        Some(length) => 2.0 * libm::atan(FULL_FRAME / (2.0 * aspect * length)),
+        None => scene.camera.field_of_view.to_radians(),
+    }
+}
+
+/// The camera of a frame of the scene: turned around its target as far as the frames before it make it.
+#[must_use]
+pub fn turned(scene: &Scene, frame: i64, camera: Camera) -> Camera {
+    let turn = scene.camera.turn * frame as f64 / scene.time.count().max(1.0);
+    if turn == 0.0 { camera } else { orbited(camera, turn) }
+}
+
+/// A camera moved around the vertical through its target, degrees; from above counter-clockwise.
+fn orbited(camera: Camera, degrees: f64) -> Camera {
+    let arm = (camera.position - camera.target).cast::<f64>();
+    let arm = rotated(arm, DVec3::y(), degrees.to_radians());
+    Camera { position: camera.target + arm.cast::<f32>(), ..camera }
+}
+
 /// The scene's camera; what it leaves open is fitted to the trees, seen from +z.
 pub(super) fn camera(scene: &Scene, stand: &Stand) -> Camera {
-    let field_of_view = scene.camera.field_of_view.to_radians();
+    let field_of_view = field_of_view(scene);
     let aspect = f64::from(scene.image.width) / f64::from(scene.image.height);
     let height = stand.height().max(0.2);
     let [x, z] = middle(stand);
@@ -43,8 +84,8 @@ pub(super) fn camera(scene: &Scene, stand: &Stand) -> Camera {
         height: form.height.max(0.2),
     };
     let circles: Vec<Circle> = stand.standing().map(circle).collect();
-    let eye = EYE.min(height * 0.6);
-    let (distance, tilt) = fitted(&circles, eye, field_of_view, aspect, FILL);
+    let eye = scene.camera.eye_height.min(height * 0.6);
+    let (distance, tilt) = fitted(&circles, eye, field_of_view, aspect, scene.camera.fill);
     let position = scene.camera.position.map_or(DVec3::new(x, eye, z + distance), DVec3::from);
     let fitted_target = if scene.camera.position.is_some() {
         DVec3::new(x, height * 0.5, z)
@@ -52,13 +93,14 @@ pub(super) fn camera(scene: &Scene, stand: &Stand) -> Camera {
         DVec3::new(x, eye + distance * libm::tan(tilt), z)
     };
     let target = scene.camera.target.map_or(fitted_target, DVec3::from);
-    Camera {
+    let camera = Camera {
         position: position.cast::<f32>(),
         target: target.cast::<f32>(),
         field_of_view: field_of_view as f32,
         near: scene.camera.near as f32,
         far: scene.camera.far as f32,
-    }
+    };
+    if scene.camera.orbit == 0.0 { camera } else { orbited(camera, scene.camera.orbit) }
 }
 
 /// The middle of the box of ground that the crowns cover: x and z.
@@ -70,4 +112,20 @@ fn middle(stand: &Stand) -> [f64; 2] {
         if stand.trees.len() == 1 { stand.trees[0].1.place[k] } else { 0.5 * (low + high) }
     };
     [middle(0), middle(1)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::vector::Vec3;
+
+    #[test]
+    fn a_quarter_turn_moves_the_camera_to_its_right_and_keeps_its_target_and_distance() {
+        let (position, target) = (Vec3::new(1.0, 1.6, 21.0), Vec3::new(1.0, 4.0, 1.0));
+        let camera = Camera { position, target, field_of_view: 0.4, near: 0.1, far: 100.0 };
+        let moved = orbited(camera, 90.0);
+        assert!((moved.position - Vec3::new(21.0, 1.6, 1.0)).norm() < 1e-4, "{:?}", moved.position);
+        assert_eq!(moved.target, target);
+        assert!((orbited(moved, 270.0).position - position).norm() < 1e-4);
+    }
 }

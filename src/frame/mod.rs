@@ -106,13 +106,68 @@ pub struct Sun {
     pub irradiance: [f32; 3],
 }
 
-/// Light from the whole hemisphere.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Light from the whole hemisphere: what is even around the horizon, and over it a clear sky about the sun.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sky {
-    /// Radiance at the zenith, linear sRGB.
+    /// Radiance at the zenith, linear sRGB; between it and the horizon radiance grows with the sine of the height, so that an
+    /// overcast sky (CIE S 011, type 1) has three times the horizon's here.
     pub zenith: [f32; 3],
     /// Radiance at the horizon, linear sRGB.
     pub horizon: [f32; 3],
+    /// A clear sky whose radiance is added.
+    pub clear: Option<ClearSky>,
+    /// Clouds that are seen before it.
+    pub clouds: Option<Clouds>,
+}
+
+/// Clear sky by the formula of Hosek and Wilkie 2012, for the frame's sun.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClearSky {
+    /// The coefficients A to I of each channel.
+    pub coefficients: [[f32; 9]; 3],
+    /// Factor on the formula of each channel: radiance, linear sRGB.
+    pub radiance: [f32; 3],
+}
+
+/// Clouds on a plane overhead.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clouds {
+    /// Number of the texture: red is how dense they are, green how much of the sun reaches them; repeats.
+    pub texture: u32,
+    /// Share of the sky that they cover, 0..1.
+    pub cover: f32,
+    /// Radiance of a cloud in full sun, linear sRGB.
+    pub lit: [f32; 3],
+    /// Radiance of a cloud's shaded base, linear sRGB.
+    pub shaded: [f32; 3],
+}
+
+/// What is seen where nothing stands. Light comes from the sky whatever is seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Background {
+    /// The sky, and the ground if there is one.
+    #[default]
+    Sky,
+    /// One colour, as it is displayed, linear sRGB.
+    Plain([f32; 3]),
+    /// Nothing: straight alpha.
+    Transparent,
+}
+
+/// The edge of a wood that closes a meadow off: what it looks like unrolled, seen from the meadow. Plain numbers, -1..1 in
+/// 0..255 as in reliefs; rows from the tops to the ground; repeats along the edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wood {
+    /// Number of the texture of coverage (0..1) and of the normal's parts to the right and up.
+    pub form: u32,
+    /// Number of the texture of the tree's kind, of the share of light that comes in, and of how thin the foliage is (0..1).
+    pub crowns: u32,
+    /// Distance of the edge, metres.
+    pub distance: f32,
+    /// Height that the textures span, metres.
+    pub height: f32,
+    /// How often they repeat around the whole horizon.
+    pub repeats: u32,
 }
 
 /// The level ground at height 0, drawn to the horizon. Not part of an exported asset.
@@ -124,8 +179,10 @@ pub struct Ground {
     pub tile: f32,
     /// Distance at which haze hides all but 1/e of the ground, metres.
     pub haze: f32,
-    /// Height of a distant wood's edge over its distance; 0 for an open horizon.
-    pub wood: f32,
+    /// The edge of a distant wood around it; none for an open horizon.
+    pub wood: Option<Wood>,
+    /// How much of what is seen of it are upright blades, 0 for bare soil to 1 for grass.
+    pub blades: f32,
     /// Models that belong to the ground: grass. They cast no shadow.
     pub cover: Vec<Instance>,
 }
@@ -135,9 +192,14 @@ pub struct Ground {
 pub enum ToneMap {
     /// Khronos PBR Neutral.
     Neutral,
+    /// AgX: a wide range of light, colours that pale as they brighten.
+    Agx,
     /// Clipping only: for tests of colour.
     None,
 }
+
+/// The white balance that changes nothing.
+pub const UNBALANCED: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// Lines over the edges of every triangle but those of the ground's cover.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -157,10 +219,16 @@ pub struct View {
     pub height: u32,
     /// Samples a pixel: 1, 4, 8 or 16.
     pub samples: u32,
+    /// Distance in pixels that a coarser mesh may lie from the full one where it stands; 0 for full meshes.
+    pub lod_error: f32,
     /// Pixels along one side of the sun's shadow map; 0 for no shadow.
     pub shadow_size: u32,
     /// Factor on radiance before tone mapping.
     pub exposure: f32,
+    /// Whether the exposure is measured from the picture instead.
+    pub metered: bool,
+    /// White balance: a map of linear sRGB, applied after the exposure; its rows.
+    pub balance: [[f32; 3]; 3],
     /// The curve after it.
     pub tone_map: ToneMap,
     /// Lines over the meshes, if asked for; meshes are drawn in full then, whatever their distance.
@@ -190,6 +258,8 @@ pub struct Frame {
     pub sky: Sky,
     /// The ground, if there is one.
     pub ground: Option<Ground>,
+    /// What is seen where nothing stands.
+    pub background: Background,
     /// The picture.
     pub view: View,
 }

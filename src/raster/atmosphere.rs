@@ -1,10 +1,13 @@
 //! Light that comes from far away: the sky, the haze, and the mean light of an open place.
 
+use super::distant_wood::Palette;
+use super::sky::ClearTable;
 use super::texture::MipMap;
-use crate::base::maths::{expf, smooth_step};
+use crate::base::maths::{expf, mix, sincosf, smooth_step};
 use crate::base::vector::Vec3;
 use crate::frame::Frame;
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 /// The 26 directions of a cube's faces, edges and corners with the weights that integrate polynomials up to degree 7 over
 /// the sphere (Lebedev 1976).
@@ -64,56 +67,99 @@ impl Ambient {
 pub(super) struct Atmosphere {
     zenith: [f32; 3],
     horizon: [f32; 3],
+    clear: Option<ClearTable>,
     sun: Vec3,
-    glow: [f32; 3],
-    ground: [f32; 3],
+    ground: Option<[f32; 3]>,
     haze: f32,
     /// Light from all sides in the open.
     pub open: Ambient,
+    /// What the distant wood wears.
+    pub wood: Palette,
 }
 
 impl Atmosphere {
     /// Gathers sky, sun and ground of a frame.
-    pub(super) fn new(frame: &Frame, textures: &[MipMap]) -> Self {
-        let sun_height = frame.sun.direction.y.max(0.0);
-        let sky_mean: [f32; 3] = std::array::from_fn(|k| frame.sky.zenith[k] * 0.5 + frame.sky.horizon[k] * 0.5);
-        // Without a ground the horizon goes on below: a backdrop.
-        let ground = frame.ground.as_ref().map_or(frame.sky.horizon, |ground| {
-            let albedo = textures[ground.texture as usize].mean();
-            std::array::from_fn(|k| albedo[k] * (frame.sun.irradiance[k] * sun_height / PI + sky_mean[k]))
-        });
+    pub(super) fn new(frame: &Frame, textures: &[Arc<MipMap>]) -> Self {
+        let sun = frame.sun.direction;
         let mut atmosphere = Self {
             zenith: frame.sky.zenith,
             horizon: frame.sky.horizon,
-            sun: frame.sun.direction,
-            // Air scatters a little of the sun forward; a backdrop is not air.
-            glow: frame.sun.irradiance.map(|e| if frame.ground.is_some() { e * 0.04 } else { 0.0 }),
-            ground,
+            clear: frame.sky.clear.as_ref().map(|sky| ClearTable::new(sky, sun)),
+            sun,
+            ground: None,
             haze: frame.ground.as_ref().map_or(1.0, |ground| ground.haze),
             open: Ambient::default(),
+            wood: Palette::of(frame, textures),
         };
+        // Without a ground the horizon goes on below: a backdrop.
+        if let Some(ground) = &frame.ground {
+            let albedo = textures[ground.texture as usize].mean();
+            let level = atmosphere.level();
+            let height = sun.y.max(0.0) * atmosphere.sun_share();
+            let sent = |k: usize| albedo[k] * (frame.sun.irradiance[k] * height + level[k]) / PI;
+            atmosphere.ground = Some(std::array::from_fn(sent));
+        }
         for (direction, share) in directions() {
             atmosphere.open.add(direction, atmosphere.radiance(direction), share);
         }
         atmosphere
     }
 
-    /// Radiance from a direction: sky above the horizon; below it the mean of the sunlit ground, or the backdrop.
-    pub(super) fn radiance(&self, direction: Vec3) -> [f32; 3] {
-        if direction.y < 0.0 {
-            return self.ground;
+    /// Irradiance of the sky on level ground.
+    fn level(&self) -> [f32; 3] {
+        const HEIGHTS: u32 = 6;
+        const AZIMUTHS: u32 = 12;
+        let mut sum = [0.0f32; 3];
+        for (row, column) in (0..HEIGHTS).flat_map(|row| (0..AZIMUTHS).map(move |column| (row, column))) {
+            // Even steps of the squared sine of the height have equal projected solid angles.
+            let up = ((row as f32 + 0.5) / HEIGHTS as f32).sqrt();
+            let (sine, cosine) = sincosf((column as f32 + 0.5) / AZIMUTHS as f32 * 2.0 * PI);
+            let along = (1.0 - up * up).sqrt();
+            let found = self.radiance(Vec3::new(along * cosine, up, along * sine));
+            for k in 0..3 {
+                sum[k] += found[k];
+            }
         }
-        let height = direction.y * (2.0 - direction.y);
-        let cosine = direction.dot(&self.sun).max(0.0);
-        let eighth = cosine * cosine * cosine * cosine * cosine * cosine * cosine * cosine;
-        let around = eighth * eighth * eighth;
-        std::array::from_fn(|k| self.horizon[k] + (self.zenith[k] - self.horizon[k]) * height + self.glow[k] * around)
+        sum.map(|s| s * PI / (HEIGHTS * AZIMUTHS) as f32)
     }
 
-    /// A colour seen through `distance` metres of haze.
-    pub(super) fn hazed(&self, colour: [f32; 3], distance: f32) -> [f32; 3] {
-        let clear = expf(-distance / self.haze);
-        std::array::from_fn(|k| self.horizon[k] + (colour[k] - self.horizon[k]) * clear)
+    /// Radiance from a direction: sky above the horizon; below it the mean of the sunlit ground, or the backdrop.
+    pub(super) fn radiance(&self, direction: Vec3) -> [f32; 3] {
+        match self.ground {
+            Some(ground) if direction.y < 0.0 => ground,
+            _ => self.sky(direction),
+        }
+    }
+
+    /// Radiance of the sky without its clouds; below the horizon that of the horizon.
+    pub(super) fn sky(&self, direction: Vec3) -> [f32; 3] {
+        let height = direction.y.max(0.0);
+        let even: [f32; 3] = std::array::from_fn(|k| mix(self.horizon[k], self.zenith[k], height));
+        match &self.clear {
+            Some(clear) => {
+                let clear = clear.radiance(direction);
+                std::array::from_fn(|k| even[k] + clear[k])
+            }
+            None => even,
+        }
+    }
+
+    /// A colour seen from the eye over this way through the air, metres: what it loses is replaced by the light of the
+    /// horizon behind it. Blue goes first (air and fine haze scatter with a power of about -1.3 of the wavelength).
+    pub(super) fn hazed(&self, colour: [f32; 3], way: Vec3) -> [f32; 3] {
+        let distance = way.norm();
+        let depth = distance / self.haze;
+        if depth < 2e-3 {
+            return colour;
+        }
+        let level = Vec3::new(way.x / distance, (way.y / distance).max(0.04), way.z / distance);
+        let horizon = self.sky(level.normalize());
+        std::array::from_fn(|k| {
+            let met = depth * AIR[k];
+            // The first terms of the series are enough for what is near.
+            let lost = if met < 0.1 { met * (1.0 - 0.5 * met) } else { 1.0 - expf(-met) };
+            colour[k] + (horizon[k] - colour[k]) * lost
+        })
     }
 
     /// How much of the sun's disc stands above the horizon.
@@ -121,6 +167,9 @@ impl Atmosphere {
         smooth_step(-0.005, 0.005, self.sun.y)
     }
 }
+
+/// Extinction of the air in each channel over that of green.
+const AIR: [f32; 3] = [0.87, 1.0, 1.24];
 
 #[cfg(test)]
 mod tests {

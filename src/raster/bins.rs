@@ -6,6 +6,7 @@ use super::projection::Projection;
 use crate::base::vector::Vec3;
 use crate::frame::{Frame, Instance};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// How much larger the error of a coarser level may be where leaves lie on the ground: they are seen along it, a few pixels
 /// high, and thousands lie on one another.
@@ -30,13 +31,15 @@ pub(super) struct Item {
     pub cluster: u32,
     /// Largest nearness that its sphere can have.
     pub nearness: f32,
+    /// What a pixel covers where it is nearest, in the mesh's metres.
+    pub pixel: f32,
     /// Box of pixels that holds it: left, top, right, bottom, inclusive.
     pub bounds: [i32; 4],
 }
 
 impl Item {
     /// The cluster.
-    pub(super) fn cluster_in<'a>(&self, meshes: &'a [ClusteredMesh]) -> &'a Cluster {
+    pub(super) fn cluster_in<'a>(&self, meshes: &'a [Arc<ClusteredMesh>]) -> &'a Cluster {
         &meshes[self.mesh as usize].levels[usize::from(self.level)].clusters[self.cluster as usize]
     }
 }
@@ -58,7 +61,7 @@ impl Bins {
     pub(super) fn new(
         frame: &Frame,
         instances: &[Instance],
-        meshes: &[ClusteredMesh],
+        meshes: &[Arc<ClusteredMesh>],
         projection: &Projection,
         size: [u32; 2],
         lod_error: f32,
@@ -105,7 +108,7 @@ impl Bins {
 
 fn push_items(
     frame: &Frame,
-    meshes: &[ClusteredMesh],
+    meshes: &[Arc<ClusteredMesh>],
     projection: &Projection,
     [lod_error, thinnest]: [f32; 2],
     limits: [i32; 2],
@@ -135,6 +138,7 @@ fn push_items(
                 level: level as u16,
                 cluster: cluster_number as u32,
                 nearness,
+                pixel: projection.least_metres(centre, cluster.radius * scale) / scale.max(1e-12),
                 bounds: [left.max(0), top.max(0), right.min(limits[0]), bottom.min(limits[1])],
             });
         }

@@ -14,6 +14,7 @@ use crate::base::vector::Vec3;
 use crate::frame::{Frame, Material};
 use rayon::prelude::*;
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 /// Cells along the longest side of the crown, or of the largest tree of several.
 const CELLS: f32 = 24.0;
@@ -49,8 +50,8 @@ impl Canopy {
     /// Gathers the leaves of a frame; `None` without leaves.
     pub(super) fn new(
         frame: &Frame,
-        meshes: &[ClusteredMesh],
-        textures: &[MipMap],
+        meshes: &[Arc<ClusteredMesh>],
+        textures: &[Arc<MipMap>],
         atmosphere: &Atmosphere,
     ) -> Option<Self> {
         let mut canopy = Self::around(frame, meshes)?;
@@ -63,7 +64,7 @@ impl Canopy {
         Some(canopy)
     }
 
-    fn around(frame: &Frame, meshes: &[ClusteredMesh]) -> Option<Self> {
+    fn around(frame: &Frame, meshes: &[Arc<ClusteredMesh>]) -> Option<Self> {
         let mut leaves = frame.standing().iter().filter(|i| i.leaf.is_some()).map(|i| i.transform.translation);
         let first = leaves.next()?;
         let (low, high) = leaves.fold((first, first), |(low, high), p| (low.inf(&p), high.sup(&p)));
@@ -81,7 +82,7 @@ impl Canopy {
         Some(Self { low, size, counts, cells, passed: Vec::new(), ambient: Vec::new() })
     }
 
-    fn fill(&mut self, frame: &Frame, meshes: &[ClusteredMesh], textures: &[MipMap]) {
+    fn fill(&mut self, frame: &Frame, meshes: &[Arc<ClusteredMesh>], textures: &[Arc<MipMap>]) {
         let optics: Vec<([f32; 3], [f32; 3])> = frame.materials.iter().map(|m| mean_optics(m, textures)).collect();
         let volume = self.size * self.size * self.size;
         for instance in frame.standing().iter().filter(|instance| instance.leaf.is_some()) {
@@ -223,6 +224,11 @@ impl Canopy {
         std::array::from_fn(|k| light[k] + clear * beyond[k])
     }
 
+    /// Side of the cells that the light is gathered in, metres.
+    pub(super) fn cell_size(&self) -> f32 {
+        self.size
+    }
+
     /// The light from all sides at a point; far outside the volume that of the open.
     pub(super) fn ambient(&self, at: Vec3, atmosphere: &Atmosphere) -> Ambient {
         let outside = self.distance_outside(at) / (3.0 * self.size);
@@ -245,7 +251,7 @@ impl Canopy {
 }
 
 /// The longest side of the largest tree, metres, where several pieces of wood stand; `None` for a tree by itself.
-fn largest_of_several(frame: &Frame, meshes: &[ClusteredMesh]) -> Option<f32> {
+fn largest_of_several(frame: &Frame, meshes: &[Arc<ClusteredMesh>]) -> Option<f32> {
     let wood: Vec<u32> = frame.standing().iter().filter(|i| i.leaf.is_none()).map(|i| i.model).collect();
     let mut models = wood.clone();
     models.sort_unstable();
@@ -269,7 +275,7 @@ fn bounded(size: f32, extent: Vec3) -> f32 {
 }
 
 /// Mean reflectance plus transmittance, and mean transmittance, of a material.
-fn mean_optics(material: &Material, textures: &[MipMap]) -> ([f32; 3], [f32; 3]) {
+fn mean_optics(material: &Material, textures: &[Arc<MipMap>]) -> ([f32; 3], [f32; 3]) {
     let mean = |factor: [f32; 3], texture: Option<u32>| -> [f32; 3] {
         let colour = texture.map_or([1.0; 3], |number| textures[number as usize].mean());
         std::array::from_fn(|k| factor[k] * colour[k])

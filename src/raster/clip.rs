@@ -9,12 +9,14 @@ const GUARD: f32 = 2_000_000.0;
 
 /// The signed distances of a mapped point (x w, y w, w) that must not be negative: between the near and the far plane,
 /// inside the guard band on four sides.
+#[inline(always)]
 fn distances(point: Vec3, near: f32, far: f32) -> [f32; 6] {
     let edge = GUARD * point.z;
     [point.z - near, far - point.z, point.x + edge, edge - point.x, point.y + edge, edge - point.y]
 }
 
 /// Whether a mapped point needs no cutting.
+#[inline(always)]
 pub(super) fn is_inside(point: Vec3, near: f32, far: f32) -> bool {
     distances(point, near, far).iter().all(|&distance| distance >= 0.0)
 }

@@ -2,7 +2,7 @@
 
 use super::simplify::simplified;
 use crate::base::mesh::Mesh;
-use crate::base::vector::Vec3;
+use crate::base::vector::{Vec2, Vec3};
 
 /// Most triangles of a cluster: whole leaves stay in one piece.
 const LARGEST: usize = 512;
@@ -16,11 +16,13 @@ pub(super) struct Cluster {
     pub centre: Vec3,
     /// Radius of that sphere.
     pub radius: f32,
-    /// The mesh's numbers of the vertices used.
-    pub vertices: Vec<u32>,
-    /// Their positions, model coordinates.
+    /// Positions of the vertices that are used, model coordinates.
     pub positions: Vec<Vec3>,
-    /// Triangles as places in `vertices`.
+    /// Their unit normals.
+    pub normals: Vec<Vec3>,
+    /// Their texture coordinates.
+    pub uvs: Vec<Vec2>,
+    /// Triangles as places in `positions`.
     pub triangles: Vec<[u16; 3]>,
 }
 
@@ -99,13 +101,14 @@ fn cut(mesh: &Mesh, triangles: &[[u32; 3]]) -> Cluster {
     let (low, high) = positions.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
     let centre = (low + high) * 0.5;
     let radius = positions.iter().map(|p| (p - centre).norm()).fold(0.0, f32::max);
-    Cluster { centre, radius, vertices, positions, triangles: local }
+    let normals = vertices.iter().map(|&v| mesh.normals[v as usize]).collect();
+    let uvs = vertices.iter().map(|&v| mesh.uvs[v as usize]).collect();
+    Cluster { centre, radius, positions, normals, uvs, triangles: local }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::vector::Vec2;
 
     #[test]
     fn clusters_hold_every_triangle_inside_their_spheres() {
@@ -124,7 +127,7 @@ mod tests {
         assert!((cut.uv_per_metre - 1.0).abs() < 1e-3);
         for cluster in cut.full() {
             assert!(cluster.positions.iter().all(|p| (p - cluster.centre).norm() <= cluster.radius * 1.000_01));
-            assert!(cluster.triangles.iter().flatten().all(|&v| usize::from(v) < cluster.vertices.len()));
+            assert!(cluster.triangles.iter().flatten().all(|&v| usize::from(v) < cluster.positions.len()));
         }
     }
 }

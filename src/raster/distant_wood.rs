@@ -1,43 +1,167 @@
-//! The edge of a wood on the horizon: what closes a meadow off. Painted on the sky by noise over azimuth and height, in haze;
-//! it is scenery, not geometry, and casts no shadow.
+//! The edge of a wood on the horizon: what closes a meadow off. Read from the unrolled edge that the frame brings, lit by
+//! the frame's sun and sky, in the colours of the frame's own foliage; scenery that casts no shadow.
 
+use super::Prepared;
+use super::texture::MipMap;
 use crate::base::maths::{atan2f, mix, smooth_step};
 use crate::base::noise::Lattice;
-use crate::base::vector::Vec3;
-use crate::frame::Ground;
+use crate::base::vector::{Vec2, Vec3};
+use crate::frame::{Frame, Material, Wood};
 use std::f32::consts::PI;
+use std::sync::Arc;
 
-/// Reflectances between which the crowns vary: dark green, olive, ochre, rust (linear, judged).
-const CROWNS: [[f32; 3]; 4] =
-    [[0.030, 0.045, 0.018], [0.060, 0.070, 0.022], [0.130, 0.085, 0.022], [0.105, 0.048, 0.020]];
+/// How much farther a second wood stands behind the first, on rising ground.
+const FAR: f32 = 3.4;
+/// Height of the hills that it stands on, metres.
+const HILLS: f32 = 34.0;
+/// Share of a leaf's reflectance that a crown has: light is caught between its leaves (judged; canopies reflect 0.03 to 0.06
+/// of green light where leaves reflect 0.1).
+const CAUGHT: f32 = 0.72;
+/// How much of a distant crown's colour is that of all leaves of the frame, the rest that of one state.
+const SHARED: f32 = 0.55;
+/// Reflectances of bare crowns (linear, judged).
+const BARE: [[f32; 3]; 2] = [[0.105, 0.088, 0.075], [0.150, 0.118, 0.092]];
+/// Tints of the kinds of trees, on the frame's own foliage.
+const TINTS: [[f32; 3]; 3] = [[0.74, 0.86, 0.92], [1.00, 1.00, 1.00], [1.22, 1.10, 0.80]];
 
-/// Smooth noise in 0..1 with `count` features along the whole horizon, at a share of the way around it.
-fn noise(count: u32, around: f32, y: f32, salt: u64) -> f32 {
-    Lattice::periodic(salt, [count, 0]).value(around * count as f32, y)
+/// Reflectance and transmittance of the crowns of a season.
+pub(super) struct Palette {
+    /// Colours with the share of the crowns that have less of a kind; ascending, the last is 1.
+    kinds: Vec<(f32, [f32; 3], [f32; 3])>,
+    /// Whether the trees are bare.
+    is_bare: bool,
 }
 
-/// How much of a ray the wood stops, and the reflectance of what it meets; `pixel` is the angle that a pixel spans.
-pub(super) fn met(ground: &Ground, direction: Vec3, pixel: f32) -> (f32, [f32; 3]) {
-    let level = (direction.x * direction.x + direction.z * direction.z).sqrt().max(1e-6);
-    let height = direction.y / level;
-    if ground.wood <= 0.0 || height > ground.wood * 1.6 {
-        return (0.0, [0.0; 3]);
+impl Palette {
+    /// The foliage that stands in a frame.
+    pub(super) fn of(frame: &Frame, textures: &[Arc<MipMap>]) -> Self {
+        let mut counts = vec![0u64; frame.models.len()];
+        for instance in frame.standing().iter().filter(|instance| instance.leaf.is_some()) {
+            counts[instance.model as usize] += 1;
+        }
+        let mut by_material = vec![0u64; frame.materials.len()];
+        for (model, count) in frame.models.iter().zip(counts) {
+            if let Some(part) = model.parts.first() {
+                by_material[part.material as usize] += count;
+            }
+        }
+        let total: u64 = by_material.iter().sum();
+        let mean = mean_of(frame, textures, &by_material);
+        let mut kinds = Vec::new();
+        let mut below = 0;
+        for (material, count) in frame.materials.iter().zip(&by_material).filter(|(_, count)| **count > 0) {
+            below += count;
+            let (reflected, transmitted) = optics(material, textures);
+            // A tree wears leaves of many states at once.
+            let shared = |own: [f32; 3], of_all: [f32; 3]| std::array::from_fn(|k| mix(own[k], of_all[k], SHARED));
+            kinds.push((below as f32 / total as f32, shared(reflected, mean.0), shared(transmitted, mean.1)));
+        }
+        let is_bare = kinds.is_empty();
+        if is_bare {
+            kinds = vec![(0.5, BARE[0], [0.0; 3]), (1.0, BARE[1], [0.0; 3])];
+        }
+        Self { kinds, is_bare }
     }
-    let around = atan2f(-direction.x, -direction.z) / (2.0 * PI) + 0.5;
-    let hill = noise(21, around, 0.5, 11);
-    // Crowns along the whole horizon, and smaller features on them.
-    let outline = [(420, 0.30), (966, 0.26), (2142, 0.20), (5040, 0.14), (11_340, 0.10)];
-    let crowns: f32 =
-        outline.iter().zip(12..).map(|(&(count, weight), salt)| weight * noise(count, around, 0.5, salt)).sum();
-    let top = ground.wood * (0.50 + 0.3 * hill + 0.55 * crowns);
-    let covered = 1.0 - smooth_step(top - pixel, top + pixel, height);
-    let up = height / ground.wood * 5.0;
-    let kind = noise(378, around, up * 0.3, 21) * 0.7 + noise(46, around, 0.5, 22) * 0.3;
-    let place = (kind * 1.7 - 0.4).clamp(0.0, 1.0) * (CROWNS.len() - 1) as f32;
-    let first = (place as usize).min(CROWNS.len() - 2);
-    let rounded = mix(0.45, 1.1, (height / top.max(1e-6)).clamp(0.0, 1.0));
-    let clumps = noise(1680, around, up * 1.6, 23) * 0.6 + noise(5460, around, up * 5.0, 24) * 0.4;
-    let leaves = rounded * (0.25 + 1.5 * clumps);
-    let colour = std::array::from_fn(|k| mix(CROWNS[first][k], CROWNS[first + 1][k], place - first as f32) * leaves);
-    (covered, colour)
+
+    /// Reflectance and transmittance of a kind of tree, 0..1.
+    fn at(&self, kind: f32) -> ([f32; 3], [f32; 3]) {
+        let found = self.kinds.iter().find(|(below, ..)| kind <= *below).or(self.kinds.last());
+        let (_, reflected, transmitted) = found.copied().unwrap_or_default();
+        let place = (kind * 7.31).fract() * (TINTS.len() - 1) as f32;
+        let first = (place as usize).min(TINTS.len() - 2);
+        let tint: [f32; 3] = std::array::from_fn(|k| mix(TINTS[first][k], TINTS[first + 1][k], place - first as f32));
+        let tinted = |colour: [f32; 3]| std::array::from_fn(|k| colour[k] * tint[k] * CAUGHT);
+        (tinted(reflected), tinted(transmitted))
+    }
+}
+
+/// Reflectance and transmittance of all leaves, by how many wear each material.
+fn mean_of(frame: &Frame, textures: &[Arc<MipMap>], counts: &[u64]) -> ([f32; 3], [f32; 3]) {
+    let (mut sums, total) = (([0.0; 3], [0.0; 3]), counts.iter().sum::<u64>().max(1) as f32);
+    for (material, &count) in frame.materials.iter().zip(counts).filter(|(_, count)| **count > 0) {
+        let (reflected, transmitted) = optics(material, textures);
+        for k in 0..3 {
+            sums.0[k] += reflected[k] * (count as f32 / total);
+            sums.1[k] += transmitted[k] * (count as f32 / total);
+        }
+    }
+    sums
+}
+
+fn optics(material: &Material, textures: &[Arc<MipMap>]) -> ([f32; 3], [f32; 3]) {
+    let mean = |factor: [f32; 3], texture: Option<u32>| -> [f32; 3] {
+        let colour = texture.map_or([1.0; 3], |number| textures[number as usize].mean());
+        std::array::from_fn(|k| factor[k] * colour[k])
+    };
+    (mean(material.colour, material.reflected), mean(material.transmission, material.transmitted))
+}
+
+/// A ray towards the horizon.
+struct Look {
+    direction: Vec3,
+    /// Share of the way around the horizon.
+    around: f32,
+    /// Rise over level distance.
+    slope: f32,
+    /// Angle that a pixel spans.
+    pixel: f32,
+}
+
+impl Prepared<'_> {
+    /// What a ray shows over `behind`, which lies beyond the wood.
+    pub(super) fn before_wood(&self, wood: &Wood, direction: Vec3, behind: [f32; 3]) -> [f32; 3] {
+        let level = (direction.x * direction.x + direction.z * direction.z).sqrt().max(1e-6);
+        let slope = direction.y / level;
+        if slope * wood.distance + self.projection.eye.y > wood.height {
+            return behind;
+        }
+        let around = atan2f(-direction.x, -direction.z) / (2.0 * PI) + 0.5;
+        let look = Look { direction, around, slope, pixel: 1.0 / self.projection.pixels_per_metre };
+        let near = self.row(wood, &look, [wood.distance, 1.0, 0.0]);
+        if near.0 >= 0.999 {
+            return near.1;
+        }
+        let hills = Lattice::periodic(11, [17, 0]).value(around * 17.0, 0.5) * HILLS;
+        let far = self.row(wood, &look, [wood.distance * FAR, 3.0, hills]);
+        let beyond: [f32; 3] = std::array::from_fn(|k| mix(behind[k], far.1[k], far.0));
+        std::array::from_fn(|k| mix(beyond[k], near.1[k], near.0))
+    }
+
+    /// Coverage and radiance of a row of trees at a distance, `times` as many repeats around, on ground of a height.
+    fn row(&self, wood: &Wood, look: &Look, [distance, times, ground]: [f32; 3]) -> (f32, [f32; 3]) {
+        let height = self.projection.eye.y + look.slope * distance - ground;
+        // On rising ground there are crowns below crowns.
+        let height = if ground > 0.0 { height.max(0.3 * wood.height) } else { height };
+        if height > wood.height || height < 0.0 {
+            return (0.0, [0.0; 3]);
+        }
+        // The textures repeat up as well: their rims are kept out of sight.
+        let down = (1.0 - height / wood.height).clamp(0.03, 0.994);
+        let uv = Vec2::new(look.around * wood.repeats as f32 * times + 0.37 * times, down);
+        let tall = look.pixel * distance / wood.height;
+        // The texture's own width to height, since a footprint is one number for both.
+        let wide = look.pixel / (2.0 * PI) * wood.repeats as f32 * times;
+        let footprint = (tall * wide).sqrt();
+        let [covered, right, up] = self.textures[wood.form as usize].sample(uv, footprint);
+        let covered = smooth_step(0.12, 0.88, covered) * if self.atmosphere.wood.is_bare { 0.8 } else { 1.0 };
+        if covered <= 0.0 {
+            return (0.0, [0.0; 3]);
+        }
+        let [kind, light, thin] = self.textures[wood.crowns as usize].sample(uv, footprint);
+        let (reflected, transmitted) = self.atmosphere.wood.at(kind.clamp(0.0, 1.0));
+        let towards = Vec3::new(-look.direction.x, 0.0, -look.direction.z).normalize();
+        let aside = Vec3::y().cross(&towards);
+        let facing = (1.0 - right * right - up * up).max(0.05).sqrt();
+        let normal = (aside * right + Vec3::y() * up + towards * facing).normalize();
+        let cosine = normal.dot(&self.frame.sun.direction);
+        // Leaves lie all ways under a crown's surface, so the light goes around it a little; from behind it comes through.
+        let front = (0.8 * cosine + 0.2).max(0.0) * light;
+        let through = (0.5 - 0.5 * cosine) * thin * light;
+        let sun = self.frame.sun.irradiance.map(|e| e * self.atmosphere.sun_share());
+        let ambient = self.atmosphere.open.irradiance(normal);
+        let lit = std::array::from_fn(|k| {
+            (reflected[k] * (sun[k] * front + ambient[k] * light) + transmitted[k] * sun[k] * through) / PI
+        });
+        (covered, self.atmosphere.hazed(lit, look.direction * distance))
+    }
 }

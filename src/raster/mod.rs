@@ -19,10 +19,12 @@ mod coverage;
 mod distant_wood;
 mod draw;
 mod projection;
+mod renderer;
 mod samples;
 mod shade;
 mod shadow;
 mod simplify;
+mod sky;
 mod surroundings;
 mod texture;
 mod tile;
@@ -31,7 +33,7 @@ mod wireframe;
 
 use crate::base::figures::{ErrorFigure, Figures};
 use crate::base::picture::Picture;
-use crate::frame::{Frame, Instance, Texture};
+use crate::frame::{Frame, Instance};
 use atmosphere::Atmosphere;
 use bins::Bins;
 use canopy::Canopy;
@@ -39,21 +41,20 @@ use cluster::ClusteredMesh;
 use projection::Projection;
 use rayon::prelude::*;
 use shadow::ShadowMap;
-use std::collections::BTreeSet;
 use std::sync::Arc;
 use texture::MipMap;
+use tile::Workspace;
 use tone::Tone;
 
-/// Error in pixels that a coarser level of a mesh may make where it stands.
-const LOD_ERROR: f32 = 0.3;
+pub use renderer::Renderer;
 
 /// Everything the tiles read: made once a frame.
 struct Prepared<'a> {
     frame: &'a Frame,
     /// What is drawn: the frame's instances, then the ground's.
     instances: Vec<Instance>,
-    meshes: Vec<ClusteredMesh>,
-    textures: Vec<MipMap>,
+    meshes: Vec<Arc<ClusteredMesh>>,
+    textures: Vec<Arc<MipMap>>,
     atmosphere: Atmosphere,
     canopy: Option<Canopy>,
     shadow: Option<ShadowMap>,
@@ -61,64 +62,85 @@ struct Prepared<'a> {
     tone: Tone,
 }
 
-/// Draws a frame. Meshes must pass their `check`; `frame.view` has at least one pixel and 1, 4, 8 or 16 samples.
+/// Draws a frame by itself; see [`Renderer::draw`].
 #[must_use]
 pub fn draw(frame: &Frame) -> (Picture, Figures) {
-    let view = frame.view;
-    let meshes: Vec<ClusteredMesh> = frame.meshes.par_iter().map(|mesh| ClusteredMesh::new(mesh)).collect();
-    let textures = mip_maps(frame);
-    let projection = Projection::camera(&frame.camera, view.width, view.height);
-    let atmosphere = Atmosphere::new(frame, &textures);
-    let canopy = Canopy::new(frame, &meshes, &textures, &atmosphere);
-    let shadow = ShadowMap::new(frame, &meshes);
-    let tone = Tone::new(view.tone_map);
-    let cover = frame.ground.iter().flat_map(|ground| &ground.cover);
-    let instances: Vec<Instance> = frame.instances.iter().chain(cover).copied().collect();
-    let prepared = Prepared { frame, instances, meshes, textures, atmosphere, canopy, shadow, projection, tone };
-    let lod_error = if view.wireframe.is_some() { 0.0 } else { LOD_ERROR };
-    let bins = Bins::new(
-        frame,
-        &prepared.instances,
-        &prepared.meshes,
-        &prepared.projection,
-        [view.width, view.height],
-        lod_error,
-    );
-    let rows: Vec<Vec<tile::Pixels>> = match view.samples {
-        1 => draw_rows::<1>(&prepared, &bins),
-        4 => draw_rows::<4>(&prepared, &bins),
-        16 => draw_rows::<16>(&prepared, &bins),
-        _ => draw_rows::<8>(&prepared, &bins),
+    Renderer::default().draw(frame)
+}
+
+impl Renderer {
+    /// Draws a frame. Meshes must pass their `check`; `frame.view` has at least one pixel and 1, 4, 8 or 16 samples. What
+    /// was drawn before changes nothing but the time that it takes.
+    #[must_use]
+    pub fn draw(&mut self, frame: &Frame) -> (Picture, Figures) {
+        let view = frame.view;
+        let meshes = self.meshes(frame);
+        let projection = Projection::camera(&frame.camera, view.width, view.height);
+        let cover = frame.ground.iter().flat_map(|ground| &ground.cover);
+        let instances: Vec<Instance> = frame.instances.iter().chain(cover).copied().collect();
+        let lod_error = if view.wireframe.is_some() { 0.0 } else { view.lod_error };
+        let bins = Bins::new(frame, &instances, &meshes, &projection, [view.width, view.height], lod_error);
+        let textures = self.textures(frame, &halvings(frame, &meshes, &bins));
+        let atmosphere = Atmosphere::new(frame, &textures);
+        let canopy = Canopy::new(frame, &meshes, &textures, &atmosphere);
+        let shadow = ShadowMap::new(frame, &meshes);
+        let tone = Tone::new(&view);
+        let prepared = Prepared { frame, instances, meshes, textures, atmosphere, canopy, shadow, projection, tone };
+        let tiles: Vec<tile::Pixels> = match view.samples {
+            1 => draw_tiles::<1>(&prepared, &bins),
+            4 => draw_tiles::<4>(&prepared, &bins),
+            16 => draw_tiles::<16>(&prepared, &bins),
+            _ => draw_tiles::<8>(&prepared, &bins),
+        };
+        let picture = assemble(view.width, view.height, bins.columns, &tiles);
+        let error: f64 = tiles.iter().map(|pixels| pixels.squared_error).sum();
+        let drawn: u64 = bins.items.iter().map(|item| item.cluster_in(&prepared.meshes).triangles.len() as u64).sum();
+        let figures = figures(&prepared, error).with("triangles_drawn", drawn).with("lod_error_px", lod_error);
+        (picture, figures)
+    }
+}
+
+/// How often each texture may be halved at least before what is seen of it blurs.
+fn halvings(frame: &Frame, meshes: &[Arc<ClusteredMesh>], bins: &Bins) -> Vec<u32> {
+    let mut least = vec![f32::INFINITY; frame.textures.len()];
+    for item in &bins.items {
+        let footprint = item.pixel * meshes[item.mesh as usize].uv_per_metre;
+        let material = &frame.materials[item.material as usize];
+        let textures = [material.reflected, material.transmitted, material.behind, material.relief];
+        for number in textures.into_iter().flatten() {
+            let least = &mut least[number as usize];
+            *least = least.min(footprint);
+        }
+    }
+    for number in of_surroundings(frame) {
+        least[number as usize] = 0.0;
+    }
+    frame.textures.iter().zip(least).map(|(texture, footprint)| texture::halvings(texture, footprint)).collect()
+}
+
+/// The textures of ground, sky and distance, of which every pixel may show another scale.
+fn of_surroundings(frame: &Frame) -> impl Iterator<Item = u32> {
+    let ground = frame.ground.iter().map(|ground| ground.texture);
+    ground.chain(of_plain_numbers(frame))
+}
+
+/// The textures of ground, sky and distance that hold plain numbers.
+fn of_plain_numbers(frame: &Frame) -> impl Iterator<Item = u32> {
+    let wood = frame.ground.iter().filter_map(|ground| ground.wood).flat_map(|wood| [wood.form, wood.crowns]);
+    wood.chain(frame.sky.clouds.iter().map(|clouds| clouds.texture))
+}
+
+fn draw_tiles<const S: usize>(prepared: &Prepared, bins: &Bins) -> Vec<tile::Pixels> {
+    let draw = |workspace: &mut Workspace<S>, number: usize| {
+        workspace.draw(prepared, bins, number % bins.columns, number / bins.columns)
     };
-    let picture = assemble(view.width, view.height, &rows);
-    let error: f64 = rows.iter().flatten().map(|pixels| pixels.squared_error).sum();
-    let drawn: u64 = bins.items.iter().map(|item| item.cluster_in(&prepared.meshes).triangles.len() as u64).sum();
-    let figures = figures(&prepared, error).with("triangles_drawn", drawn).with("lod_error_px", lod_error);
-    (picture, figures)
+    (0..bins.rows * bins.columns).into_par_iter().with_min_len(4).map_init(Workspace::new, draw).collect()
 }
 
-/// The frame's textures, made ready; those that a material takes its relief from as normals.
-fn mip_maps(frame: &Frame) -> Vec<MipMap> {
-    let reliefs: BTreeSet<u32> = frame.materials.iter().filter_map(|material| material.relief).collect();
-    let made = |(number, texture): (usize, &Arc<Texture>)| {
-        if reliefs.contains(&(number as u32)) { MipMap::of_normals(texture) } else { MipMap::new(texture) }
-    };
-    frame.textures.par_iter().enumerate().map(made).collect()
-}
-
-fn draw_rows<const S: usize>(prepared: &Prepared, bins: &Bins) -> Vec<Vec<tile::Pixels>> {
-    (0..bins.rows)
-        .into_par_iter()
-        .map(|row| {
-            (0..bins.columns).into_par_iter().map(|column| tile::draw::<S>(prepared, bins, column, row)).collect()
-        })
-        .collect()
-}
-
-fn assemble(width: u32, height: u32, rows: &[Vec<tile::Pixels>]) -> Picture {
+fn assemble(width: u32, height: u32, columns: usize, tiles: &[tile::Pixels]) -> Picture {
     let mut picture = Picture::filled(width, height, [0, 0, 0, 255]);
     picture.pixels.par_chunks_mut(width as usize).enumerate().for_each(|(y, line)| {
-        let tiles = &rows[y / tile::SIDE];
+        let tiles = &tiles[y / tile::SIDE * columns..];
         for (column, part) in line.chunks_mut(tile::SIDE).enumerate() {
             let from = &tiles[column].colours[(y % tile::SIDE) * tile::SIDE..];
             for (pixel, colour) in part.iter_mut().zip(from) {

@@ -102,7 +102,16 @@ impl Projection {
         }
     }
 
+    /// Metres that a pixel covers at the nearest point of a sphere; 0 when the eye is in it.
+    pub(super) fn least_metres(&self, centre: Vec3, radius: f32) -> f32 {
+        match self.lens {
+            Lens::Perspective => ((centre - self.eye).norm() - radius).max(0.0) / self.pixels_per_metre,
+            Lens::Parallel => 1.0 / self.pixels_per_metre,
+        }
+    }
+
     /// Reads a mapped point. In perspective its distance must be positive.
+    #[inline(always)]
     pub(super) fn screen(&self, mapped: Vec3) -> Screen {
         match self.lens {
             Lens::Perspective => {
@@ -145,6 +154,7 @@ fn axes(forward: Vec3) -> Mat3 {
 }
 
 /// One map after another: `outer` of `inner`.
+#[inline(always)]
 pub(super) fn composed(outer: &Affine, inner: &Affine) -> Affine {
     Affine { linear: outer.linear * inner.linear, translation: outer.point(inner.translation) }
 }

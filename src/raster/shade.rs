@@ -5,11 +5,12 @@
 
 use super::Prepared;
 use super::atmosphere::Ambient;
-use super::bins::Item;
-use super::projection::composed;
+use super::bins::{Bins, Item};
+use super::texture::{MipMap, Taps};
+use super::tile::Visible;
 use super::wireframe;
 use crate::base::random::hash;
-use crate::base::vector::{Vec2, Vec3};
+use crate::base::vector::{Affine, Vec2, Vec3};
 use crate::frame::Material;
 use std::f32::consts::PI;
 
@@ -23,8 +24,6 @@ struct Point {
     uv: Vec2,
     /// Width of a pixel on the surface, texture units.
     footprint: f32,
-    /// Unit vectors along u and against v on the surface; zero where the texture has no direction.
-    along: [Vec3; 2],
     /// Unit vector to the eye.
     to_eye: Vec3,
     salt: u64,
@@ -36,47 +35,94 @@ impl Prepared<'_> {
         self.canopy.as_ref().map_or(self.atmosphere.open, |canopy| canopy.ambient(at, &self.atmosphere))
     }
 
+    /// Radius up to which the light from all sides is even over a leaf, metres.
+    fn ambient_detail(&self) -> f32 {
+        self.canopy.as_ref().map_or(f32::INFINITY, |canopy| canopy.cell_size() * 0.5)
+    }
+
     /// The sun's irradiance on a surface that faces it, after shadow.
     pub(super) fn sun(&self, point: Vec3, normal: Vec3, salt: u64) -> [f32; 3] {
         let lit = self.shadow.as_ref().map_or(1.0, |map| map.lit(point, normal, salt)) * self.atmosphere.sun_share();
         self.frame.sun.irradiance.map(|e| e * lit)
     }
+}
 
-    /// The normal on the side of the eye, turned by the surface's relief.
-    fn in_relief(&self, texture: u32, point: &Point) -> Vec3 {
-        let [across, up, out] = self.textures[texture as usize].sample(point.uv, point.footprint);
-        let side = if point.behind { -1.0 } else { 1.0 };
-        // What is a groove above is a ridge below.
-        let turned = point.normal * out + (point.along[0] * across + point.along[1] * up) * side;
-        turned.try_normalize(1e-6).unwrap_or(point.normal)
+/// What textures show at a point; places are found once for all that are laid out alike.
+struct Looks<'a> {
+    prepared: &'a Prepared<'a>,
+    uv: Vec2,
+    footprint: f32,
+    taps: Option<(&'a MipMap, Taps)>,
+}
+
+impl<'a> Looks<'a> {
+    fn new(prepared: &'a Prepared<'a>, point: &Point) -> Self {
+        Self { prepared, uv: point.uv, footprint: point.footprint, taps: None }
     }
 
-    fn colour(&self, factor: [f32; 3], texture: Option<u32>, point: &Point) -> [f32; 3] {
-        match texture {
-            Some(number) => {
-                let texel = self.textures[number as usize].sample(point.uv, point.footprint);
-                std::array::from_fn(|k| factor[k] * texel[k])
+    fn read(&mut self, texture: u32) -> [f32; 3] {
+        let map: &MipMap = &self.prepared.textures[texture as usize];
+        match &self.taps {
+            Some((other, taps)) if map.is_laid_out_like(other) => map.read(taps),
+            _ => {
+                let taps = map.taps(self.uv, self.footprint);
+                self.taps = Some((map, taps));
+                map.read(&taps)
             }
-            None => factor,
         }
+    }
+
+    fn colour(&mut self, factor: [f32; 3], texture: Option<u32>) -> [f32; 3] {
+        let Some(number) = texture else { return factor };
+        let texel = self.read(number);
+        std::array::from_fn(|k| factor[k] * texel[k])
     }
 }
 
-/// Radiance of a triangle of an item at a point of the picture, with the lines of its edges where they are asked for.
-pub(super) fn surface(prepared: &Prepared, item: &Item, triangle: u16, at: [f32; 2]) -> [f32; 3] {
-    let lit = lit(prepared, item, triangle, at);
+/// Light from all sides at a point of an item. Over a leaf that is small against the cells that the light was gathered in it
+/// hardly changes, so that it is looked up once.
+fn ambient(prepared: &Prepared, item: &Item, visible: &mut Visible, point: &Point) -> Ambient {
+    let instance = &prepared.instances[item.instance as usize];
+    let cluster = item.cluster_in(&prepared.meshes);
+    let scale = instance.transform.linear.column(0).norm();
+    if instance.leaf.is_none() || cluster.radius * scale > prepared.ambient_detail() {
+        return prepared.ambient(point.position);
+    }
+    *visible.ambient.get_or_insert_with(|| prepared.ambient(instance.transform.point(cluster.centre)))
+}
+
+/// The normal on the side of the eye, turned by what the surface's relief says.
+fn in_relief([across, up, out]: [f32; 3], prepared: &Prepared, item: &Item, triangle: u16, point: &Point) -> Vec3 {
+    let side = if point.behind { -1.0 } else { 1.0 };
+    let along = along(prepared, item, triangle);
+    // What is a groove above is a ridge below.
+    let turned = point.normal * out + (along[0] * across + along[1] * up) * side;
+    turned.try_normalize(1e-6).unwrap_or(point.normal)
+}
+
+/// Radiance of a triangle of a visible item at a point of the picture, with the lines of its edges where they are asked for.
+pub(super) fn surface(
+    prepared: &Prepared,
+    bins: &Bins,
+    visible: &mut Visible,
+    triangle: u16,
+    at: [f32; 2],
+) -> [f32; 3] {
+    let item = &bins.items[visible.item as usize];
+    let lit = lit(prepared, item, visible, triangle, at);
     match prepared.frame.view.wireframe {
-        Some(lines) => wireframe::over(prepared, item, triangle, at, lines, lit),
+        Some(lines) => wireframe::over(prepared, item, &visible.map, triangle, at, lines, lit),
         None => lit,
     }
 }
 
 /// Radiance of a triangle of an item at a point of the picture.
-fn lit(prepared: &Prepared, item: &Item, triangle: u16, at: [f32; 2]) -> [f32; 3] {
-    let mut point = point(prepared, item, triangle, at);
+fn lit(prepared: &Prepared, item: &Item, visible: &mut Visible, triangle: u16, at: [f32; 2]) -> [f32; 3] {
+    let mut point = point(prepared, item, &visible.map, triangle, at);
     let material = &prepared.frame.materials[item.material as usize];
     let seen = if point.behind { material.behind.or(material.reflected) } else { material.reflected };
-    let mut reflected = prepared.colour(material.colour, seen, &point);
+    let mut looks = Looks::new(prepared, &point);
+    let mut reflected = looks.colour(material.colour, seen);
     if material.unlit {
         return reflected.map(|r| r / prepared.frame.view.exposure);
     }
@@ -84,9 +130,10 @@ fn lit(prepared: &Prepared, item: &Item, triangle: u16, at: [f32; 2]) -> [f32; 3
         reflected = reflected.map(|r| (r * material.back_gain).min(0.95));
     }
     if let Some(number) = material.relief {
-        point.normal = prepared.in_relief(number, &point);
+        let relief = looks.read(number);
+        point.normal = in_relief(relief, prepared, item, triangle, &point);
     }
-    let ambient = prepared.ambient(point.position);
+    let ambient = ambient(prepared, item, visible, &point);
     let sun_direction = prepared.frame.sun.direction;
     let facing = point.normal.dot(&sun_direction);
     let lit_side = if facing >= 0.0 { point.normal } else { -point.normal };
@@ -94,7 +141,7 @@ fn lit(prepared: &Prepared, item: &Item, triangle: u16, at: [f32; 2]) -> [f32; 3
     let front = ambient.irradiance(point.normal);
     let mut colour: [f32; 3] = std::array::from_fn(|k| reflected[k] * front[k] / PI);
     if material.transmission.iter().any(|&t| t > 0.0) {
-        let transmitted = prepared.colour(material.transmission, material.transmitted, &point);
+        let transmitted = looks.colour(material.transmission, material.transmitted);
         let back = ambient.irradiance(-point.normal);
         for k in 0..3 {
             colour[k] += transmitted[k] * back[k] / PI;
@@ -120,21 +167,17 @@ fn lit(prepared: &Prepared, item: &Item, triangle: u16, at: [f32; 2]) -> [f32; 3
             colour[k] += beam + mirror * front[k] / PI;
         }
     }
-    let distance = (point.position - prepared.projection.eye).norm();
-    if prepared.frame.ground.is_some() { prepared.atmosphere.hazed(colour, distance) } else { colour }
+    let way = point.position - prepared.projection.eye;
+    if prepared.frame.ground.is_some() { prepared.atmosphere.hazed(colour, way) } else { colour }
 }
 
 /// Finds the point of a triangle behind a point of the picture, by homogeneous barycentric coordinates (Olano and Greer
 /// 1997), which need no clipping.
-fn point(prepared: &Prepared, item: &Item, triangle: u16, at: [f32; 2]) -> Point {
+fn point(prepared: &Prepared, item: &Item, map: &Affine, triangle: u16, at: [f32; 2]) -> Point {
     let instance = &prepared.instances[item.instance as usize];
-    let mesh = &prepared.frame.meshes[item.mesh as usize];
-    let clustered = &prepared.meshes[item.mesh as usize];
     let cluster = item.cluster_in(&prepared.meshes);
-    let local = cluster.triangles[usize::from(triangle)];
-    let numbers = local.map(|v| cluster.vertices[usize::from(v)] as usize);
-    let map = composed(&prepared.projection.map, &instance.transform);
-    let corners = local.map(|v| cluster.positions[usize::from(v)]);
+    let numbers = cluster.triangles[usize::from(triangle)].map(usize::from);
+    let corners = numbers.map(|v| cluster.positions[v]);
     let [a, b, c] = corners.map(|p| map.point(p));
     let ray = Vec3::new(at[0], at[1], 1.0);
     let weights = [b.cross(&c).dot(&ray), c.cross(&a).dot(&ray), a.cross(&b).dot(&ray)];
@@ -144,7 +187,7 @@ fn point(prepared: &Prepared, item: &Item, triangle: u16, at: [f32; 2]) -> Point
     let position = instance.transform.point(blend(corners));
     let linear = &instance.transform.linear;
     let flat = linear * (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
-    let smooth = linear * blend(numbers.map(|v| mesh.normals[v]));
+    let smooth = linear * blend(numbers.map(|v| cluster.normals[v]));
     let offset = prepared.projection.eye - position;
     let distance = offset.norm();
     let to_eye = offset / distance.max(1e-6);
@@ -153,20 +196,25 @@ fn point(prepared: &Prepared, item: &Item, triangle: u16, at: [f32; 2]) -> Point
     let normal = if behind { -smooth } else { smooth };
     let scale = linear.column(0).norm().max(1e-12);
     let slant = normal.dot(&to_eye).abs().max(0.25);
-    let footprint = distance / prepared.projection.pixels_per_metre * clustered.uv_per_metre / (scale * slant.sqrt());
-    let [p, q, r] = numbers.map(|v| mesh.uvs[v]);
+    let texels = prepared.meshes[item.mesh as usize].uv_per_metre;
+    let footprint = distance / prepared.projection.pixels_per_metre * texels / (scale * slant.sqrt());
+    let [p, q, r] = numbers.map(|v| cluster.uvs[v]);
     let uv = p * weights[0] + q * weights[1] + r * weights[2];
     let salt = hash(item.instance.into(), (at[0] as u64) << 32 | at[1] as u64);
-    let along =
-        along([corners[1] - corners[0], corners[2] - corners[0]], [q - p, r - p]).map(|side| linear * side / scale);
-    Point { position, normal, behind, uv, footprint, along, to_eye, salt }
+    Point { position, normal, behind, uv, footprint, to_eye, salt }
 }
 
-/// Unit vectors in which u and -v grow on a triangle, of two of its sides and what they are in the texture.
-fn along(sides: [Vec3; 2], of_texture: [Vec2; 2]) -> [Vec3; 2] {
-    let [a, b] = of_texture;
+/// Unit vectors in which u and -v grow on a triangle; zero where the texture has no direction.
+fn along(prepared: &Prepared, item: &Item, triangle: u16) -> [Vec3; 2] {
+    let cluster = item.cluster_in(&prepared.meshes);
+    let numbers = cluster.triangles[usize::from(triangle)].map(usize::from);
+    let [p, q, r] = numbers.map(|v| cluster.positions[v]);
+    let [t, u, v] = numbers.map(|v| cluster.uvs[v]);
+    let (sides, [a, b]) = ([q - p, r - p], [u - t, v - t]);
     let doubled = a.x * b.y - a.y * b.x;
-    let unit = |v: Vec3| v.try_normalize(1e-20).unwrap_or_default() * doubled.signum();
+    let linear = &prepared.instances[item.instance as usize].transform.linear;
+    let scale = linear.column(0).norm().max(1e-12);
+    let unit = |v: Vec3| linear * (v.try_normalize(1e-20).unwrap_or_default() * doubled.signum()) / scale;
     [unit(sides[0] * b.y - sides[1] * a.y), unit(sides[0] * b.x - sides[1] * a.x)]
 }
 

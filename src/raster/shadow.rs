@@ -4,12 +4,14 @@ use super::bins::Bins;
 use super::cluster::ClusteredMesh;
 use super::coverage::{Nearest, SIDE};
 use super::draw::{self, Corner, Placed, Scratch};
-use super::projection::Projection;
+use super::projection::{Projection, composed};
 use crate::base::maths::sincosf;
-use crate::base::random::hash_unit;
+use crate::base::random::hash;
 use crate::base::vector::{Vec2, Vec3};
 use crate::frame::Frame;
 use rayon::prelude::*;
+use std::f32::consts::TAU;
+use std::sync::Arc;
 
 /// Error in texels that a coarser level of a mesh may make: the penumbra is wider.
 const LOD_ERROR: f32 = 0.8;
@@ -17,6 +19,10 @@ const LOD_ERROR: f32 = 0.8;
 const TAPS: usize = 12;
 /// Radius of the penumbra a metre of distance to what casts the shadow: the sun's angular radius, 0.265 degrees.
 const SUN_RADIUS: f32 = 0.004_63;
+/// Different turns of the taps.
+const TURNS: usize = 64;
+/// Texels along one side of a block.
+const BLOCK: usize = 16;
 /// Turn between successive taps of a Vogel spiral (the golden angle).
 const GOLDEN_ANGLE: f32 = 2.399_963;
 
@@ -25,13 +31,17 @@ pub(super) struct ShadowMap {
     projection: Projection,
     size: usize,
     nearness: Vec<f32>,
+    /// The largest nearness in each block of texels, row by row: where it is below a point's, nothing shades the point.
+    nearest_in_blocks: Vec<f32>,
+    /// Sines and cosines of the turns of the taps.
+    turns: [[f32; 2]; TURNS],
     /// Where the taps lie in a disc of radius 1: a Vogel spiral, which fills it evenly.
     taps: [Vec2; TAPS],
 }
 
 impl ShadowMap {
     /// Draws the map; `None` without sun, without instances or with a size of 0.
-    pub(super) fn new(frame: &Frame, meshes: &[ClusteredMesh]) -> Option<Self> {
+    pub(super) fn new(frame: &Frame, meshes: &[Arc<ClusteredMesh>]) -> Option<Self> {
         let size = frame.view.shadow_size as usize;
         let dark = frame.sun.irradiance.iter().all(|&e| e <= 0.0) || frame.sun.direction.y <= 0.0;
         if size == 0 || dark {
@@ -40,19 +50,22 @@ impl ShadowMap {
         let (centre, radius) = bounding_sphere(frame, meshes)?;
         let projection = Projection::parallel(-frame.sun.direction, centre, radius * 1.01, size as u32);
         let bins = Bins::new(frame, &frame.instances, meshes, &projection, [size as u32; 2], LOD_ERROR);
-        let rows: Vec<Vec<Nearest<1>>> = (0..bins.rows)
-            .into_par_iter()
-            .map(|row| (0..bins.columns).map(|column| tile(frame, meshes, &projection, &bins, column, row)).collect())
-            .collect();
+        let tile = |(nearest, scratch): &mut (Nearest<1>, Scratch), number: usize| {
+            let (column, row) = (number % bins.columns, number / bins.columns);
+            draw_tile(nearest, scratch, (frame, meshes, &projection, &bins), column, row);
+            nearest.nearness.iter().map(|nearness| nearness[0]).collect::<Vec<f32>>()
+        };
+        let workspace = || (Nearest::<1>::new(), Scratch::default());
+        let tiles: Vec<Vec<f32>> =
+            (0..bins.rows * bins.columns).into_par_iter().with_min_len(4).map_init(workspace, tile).collect();
         let mut nearness = vec![f32::MIN; size * size];
         nearness.par_chunks_mut(size).enumerate().for_each(|(y, line)| {
-            for (tile, part) in rows[y / SIDE].iter().zip(line.chunks_mut(SIDE)) {
-                for (to, from) in part.iter_mut().zip(&tile.nearness[(y % SIDE) * SIDE..]) {
-                    *to = from[0];
-                }
+            for (tile, part) in tiles[y / SIDE * bins.columns..].iter().zip(line.chunks_mut(SIDE)) {
+                part.copy_from_slice(&tile[y % SIDE * SIDE..][..part.len()]);
             }
         });
-        Some(Self { projection, size, nearness, taps: spiral() })
+        let nearest_in_blocks = nearest_in_blocks(&nearness, size);
+        Some(Self { projection, size, nearness, nearest_in_blocks, taps: spiral(), turns: turns() })
     }
 
     /// The lit share at a point of a surface with this unit normal; `salt` turns the taps, so that neighbouring pixels
@@ -62,13 +75,16 @@ impl ShadowMap {
         let lifted = point + normal * (1.5 * texel);
         let screen = self.projection.screen(self.projection.map.point(lifted));
         let nearness = screen.nearness + 0.5 * texel;
-        let (sine, cosine) = sincosf(hash_unit(salt, 0) * std::f32::consts::TAU);
+        let search = (4.0 * SUN_RADIUS * self.projection.pixels_per_metre).max(1.0);
+        if !self.may_be_shaded([screen.x, screen.y], search, nearness) {
+            return 1.0;
+        }
+        let [sine, cosine] = self.turns[hash(salt, 0) as usize % TURNS];
         let tap = |index: usize, radius: f32| {
             let [x, y]: [f32; 2] = (self.taps[index] * radius).into();
             self.at(Vec2::new(screen.x + x * cosine - y * sine, screen.y + x * sine + y * cosine))
         };
         // A first look finds how far what casts the shadow is; that sets the penumbra of the second.
-        let search = (4.0 * SUN_RADIUS * self.projection.pixels_per_metre).max(1.0);
         let (mut count, mut gap) = (0.0f32, 0.0f32);
         for index in (0..TAPS).step_by(2) {
             let above = tap(index, search) - nearness;
@@ -83,6 +99,16 @@ impl ShadowMap {
         let radius = (gap / count * SUN_RADIUS * self.projection.pixels_per_metre).clamp(0.7, 40.0);
         let lit = (0..TAPS).filter(|&index| tap(index, radius) <= nearness).count();
         lit as f32 / TAPS as f32
+    }
+
+    /// Whether something nearer to the sun than `nearness` lies within `reach` texels of a place.
+    fn may_be_shaded(&self, [x, y]: [f32; 2], reach: f32, nearness: f32) -> bool {
+        let last = self.size.div_ceil(BLOCK) as i32 - 1;
+        let block = |place: f32| ((place / BLOCK as f32) as i32).clamp(0, last) as usize;
+        let (columns, rows) = (block(x - reach)..=block(x + reach), block(y - reach)..=block(y + reach));
+        let width = last as usize + 1;
+        rows.into_iter()
+            .any(|row| columns.clone().any(|column| self.nearest_in_blocks[row * width + column] > nearness))
     }
 
     fn at(&self, place: Vec2) -> f32 {
@@ -101,34 +127,47 @@ fn spiral() -> [Vec2; TAPS] {
     })
 }
 
-fn tile(
-    frame: &Frame,
-    meshes: &[ClusteredMesh],
-    projection: &Projection,
-    bins: &Bins,
+/// Sines and cosines of even steps of a full turn.
+fn turns() -> [[f32; 2]; TURNS] {
+    std::array::from_fn(|step| sincosf(step as f32 / TURNS as f32 * TAU).into())
+}
+
+fn nearest_in_blocks(nearness: &[f32], size: usize) -> Vec<f32> {
+    let across = size.div_ceil(BLOCK);
+    let strip = |rows: &[f32]| {
+        let mut nearest = vec![f32::MIN; across];
+        for row in rows.chunks(size) {
+            for (nearest, texels) in nearest.iter_mut().zip(row.chunks(BLOCK)) {
+                *nearest = texels.iter().fold(*nearest, |a, &b| if b > a { b } else { a });
+            }
+        }
+        nearest
+    };
+    nearness.par_chunks(size * BLOCK).map(strip).flatten().collect()
+}
+
+fn draw_tile(
+    nearest: &mut Nearest<1>,
+    scratch: &mut Scratch,
+    (frame, meshes, projection, bins): (&Frame, &[Arc<ClusteredMesh>], &Projection, &Bins),
     column: usize,
     row: usize,
-) -> Nearest<1> {
+) {
     let corner = Corner { x: column * SIDE, y: row * SIDE };
-    let mut nearest = Nearest::<1>::new(|_, _| (f32::MIN, 0));
-    let mut scratch = Scratch::default();
+    nearest.fill(f32::MIN, 0);
     for &number in bins.tile(column, row) {
         let item = &bins.items[number as usize];
         if nearest.hides(corner.clip(item), item.nearness) {
             continue;
         }
-        let cluster = item.cluster_in(meshes);
-        let transform = &frame.instances[item.instance as usize].transform;
-        let placed = Placed { projection, transform, cluster, two_sided: true };
-        draw::cluster(&mut nearest, &mut scratch, placed, corner, |_, draw| {
-            draw(0);
-        });
+        let map = composed(&projection.map, &frame.instances[item.instance as usize].transform);
+        let placed = Placed { projection, map: &map, cluster: item.cluster_in(meshes), two_sided: true };
+        draw::cluster(nearest, scratch, placed, corner, 0);
     }
-    nearest
 }
 
 /// A sphere about everything that stands in the frame; what has fallen far away gives no shadow and takes no detail.
-fn bounding_sphere(frame: &Frame, meshes: &[ClusteredMesh]) -> Option<(Vec3, f32)> {
+fn bounding_sphere(frame: &Frame, meshes: &[Arc<ClusteredMesh>]) -> Option<(Vec3, f32)> {
     let mut spheres = frame.standing().iter().flat_map(|instance| {
         let scale = instance.transform.linear.column(0).norm();
         frame.models[instance.model as usize].parts.iter().flat_map(move |part| {

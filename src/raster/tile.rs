@@ -1,12 +1,14 @@
 //! One tile of the picture, from its clusters to encoded pixels.
 
+use super::atmosphere::Ambient;
 use super::bins::Bins;
-use super::coverage::Nearest;
 pub(super) use super::coverage::SIDE;
+use super::coverage::{Background, Nearest};
 use super::draw::{self, Corner, Placed, Scratch};
-use super::projection::Lens;
+use super::projection::{Lens, composed};
 use super::samples::{SUBPIXEL, pattern};
 use super::{Prepared, shade};
+use crate::base::vector::Affine;
 use crate::frame::Frame;
 
 /// Owner of a sample that shows the sky.
@@ -22,10 +24,21 @@ pub(super) struct Pixels {
     pub squared_error: f64,
 }
 
+/// An item of which a triangle won a sample, with what shading it needs again and again.
+pub(super) struct Visible {
+    /// Number of the item.
+    pub item: u32,
+    /// From the item's model to the picture.
+    pub map: Affine,
+    /// The light from all sides at a small item's middle, once it is known.
+    pub ambient: Option<Ambient>,
+}
+
 /// A triangle that won a sample at some time.
 #[derive(Clone, Copy)]
 struct Seen {
-    item: u32,
+    /// Place in the list of visible items.
+    visible: u32,
     triangle: u16,
 }
 
@@ -39,45 +52,65 @@ struct Group {
     y: f32,
 }
 
-/// Draws the tile at a column and row of tiles.
-pub(super) fn draw<const S: usize>(prepared: &Prepared, bins: &Bins, column: usize, row: usize) -> Pixels {
-    let corner = Corner { x: column * SIDE, y: row * SIDE };
-    let mut nearest = Nearest::<S>::new(background(prepared, corner));
-    let mut seen: Vec<Seen> = Vec::new();
-    let mut scratch = Scratch::default();
-    for &number in bins.tile(column, row) {
-        let item = &bins.items[number as usize];
-        if nearest.hides(corner.clip(item), item.nearness) {
-            continue;
-        }
-        let cluster = item.cluster_in(&prepared.meshes);
-        let transform = &prepared.instances[item.instance as usize].transform;
-        let two_sided = prepared.frame.materials[item.material as usize].two_sided;
-        let mut visit = |triangle: u16, draw: &mut dyn FnMut(u32) -> bool| {
-            if draw(seen.len() as u32) {
-                seen.push(Seen { item: number, triangle });
-            }
-        };
-        let placed = Placed { projection: &prepared.projection, transform, cluster, two_sided };
-        draw::cluster(&mut nearest, &mut scratch, placed, corner, &mut visit);
+/// What a task uses again from tile to tile.
+pub(super) struct Workspace<const S: usize> {
+    nearest: Nearest<S>,
+    scratch: Scratch,
+    visible: Vec<Visible>,
+    seen: Vec<Seen>,
+}
+
+impl<const S: usize> Workspace<S> {
+    /// Room for one tile.
+    pub(super) fn new() -> Self {
+        Self { nearest: Nearest::new(), scratch: Scratch::default(), visible: Vec::new(), seen: Vec::new() }
     }
-    resolve(prepared, bins, corner, &nearest, &seen)
+
+    /// Draws the tile at a column and row of tiles.
+    pub(super) fn draw(&mut self, prepared: &Prepared, bins: &Bins, column: usize, row: usize) -> Pixels {
+        let corner = Corner { x: column * SIDE, y: row * SIDE };
+        let Self { nearest, scratch, visible, seen } = self;
+        nearest.clear(&background(prepared, corner));
+        visible.clear();
+        seen.clear();
+        for &number in bins.tile(column, row) {
+            let item = &bins.items[number as usize];
+            if nearest.hides(corner.clip(item), item.nearness) {
+                continue;
+            }
+            let transform = &prepared.instances[item.instance as usize].transform;
+            let map = composed(&prepared.projection.map, transform);
+            let placed = Placed {
+                projection: &prepared.projection,
+                map: &map,
+                cluster: item.cluster_in(&prepared.meshes),
+                two_sided: prepared.frame.materials[item.material as usize].two_sided,
+            };
+            draw::cluster(nearest, scratch, placed, corner, seen.len() as u32);
+            if !scratch.won.is_empty() {
+                let place = visible.len() as u32;
+                seen.extend(scratch.won.iter().map(|&triangle| Seen { visible: place, triangle }));
+                visible.push(Visible { item: number, map, ambient: None });
+            }
+        }
+        resolve(prepared, bins, corner, nearest, seen, visible)
+    }
 }
 
 /// The ground as a plane at height 0, whose nearness is linear over the picture; the sky above the horizon.
-fn background(prepared: &Prepared, corner: Corner) -> impl Fn(f32, f32) -> (f32, u32) {
+fn background(prepared: &Prepared, corner: Corner) -> Background {
     let projection = prepared.projection;
-    let has_ground = prepared.frame.ground.is_some() && projection.eye.y > 0.0;
     debug_assert!(projection.lens == Lens::Perspective);
+    if prepared.frame.ground.is_none() || projection.eye.y <= 0.0 {
+        return Background { owner: GROUND, beyond: SKY, ..Background::default() };
+    }
     // A ray (x, y, focal) in the camera's axes meets height 0 at the distance w where eye.y + w * slope = 0.
     let axes = projection.axes;
-    let (right, down, forward) = (axes[(0, 1)], axes[(1, 1)], axes[(2, 1)]);
-    move |x, y| {
-        let dx = (x + corner.x as f32 - projection.centre[0]) / projection.pixels_per_metre;
-        let dy = (y + corner.y as f32 - projection.centre[1]) / projection.pixels_per_metre;
-        let slope = right * dx + down * dy + forward;
-        if has_ground && slope < -1e-6 { (-slope / projection.eye.y, GROUND) } else { (0.0, SKY) }
-    }
+    let scale = -1.0 / (projection.pixels_per_metre * projection.eye.y);
+    let (right, down) = (axes[(0, 1)] * scale, axes[(1, 1)] * scale);
+    let (x, y) = (corner.x as f32 - projection.centre[0], corner.y as f32 - projection.centre[1]);
+    let at = right * x + down * y - axes[(2, 1)] / projection.eye.y;
+    Background { at, right, down, owner: GROUND, beyond: SKY }
 }
 
 fn resolve<const S: usize>(
@@ -86,6 +119,7 @@ fn resolve<const S: usize>(
     corner: Corner,
     nearest: &Nearest<S>,
     seen: &[Seen],
+    visible: &mut [Visible],
 ) -> Pixels {
     let frame: &Frame = prepared.frame;
     let offsets = pattern::<S>().map(|p| p.map(|step| step as f32 / SUBPIXEL as f32));
@@ -105,8 +139,8 @@ fn resolve<const S: usize>(
                 SKY => prepared.sky(at),
                 GROUND => prepared.ground(at),
                 owner => {
-                    let found = seen[owner as usize];
-                    shade::surface(prepared, &bins.items[found.item as usize], found.triangle, at)
+                    let Seen { visible: place, triangle } = seen[owner as usize];
+                    shade::surface(prepared, bins, &mut visible[place as usize], triangle, at)
                 }
             };
             for k in 0..3 {
@@ -123,7 +157,7 @@ fn resolve<const S: usize>(
                 pixels.squared_error += f64::from(spread / ((count - 1.0) * count));
             }
         }
-        pixels.colours[place] = prepared.tone.encode(mean);
+        pixels.colours[place] = prepared.tone.encode_at(mean, corner.x + x, corner.y + y);
     }
     pixels
 }
@@ -137,7 +171,7 @@ fn collect<const S: usize>(groups: &mut Vec<Group>, owners: &[u32; S], seen: &[S
         return;
     }
     for (owner, offset) in owners.iter().zip(offsets) {
-        let key = if *owner >= GROUND { *owner } else { seen[*owner as usize].item };
+        let key = if *owner >= GROUND { *owner } else { seen[*owner as usize].visible };
         match groups.iter_mut().find(|group| group.key == key) {
             Some(group) => {
                 group.samples += 1;

@@ -1,28 +1,117 @@
-//! From radiance to 8-bit sRGB.
+//! From radiance to 8-bit sRGB: white balance, tone curve, encoding.
 
 use crate::base::encoding::SrgbEncoder;
-use crate::frame::ToneMap;
+use crate::base::maths::{log2f, powf};
+use crate::frame::{ToneMap, UNBALANCED, View};
 
 /// A tone curve with its encoding.
 pub(super) struct Tone {
     map: ToneMap,
+    balance: Option<[[f32; 3]; 3]>,
     encoder: SrgbEncoder,
+    /// AgX's curve at even steps of its logarithmic range.
+    curve: Vec<f32>,
 }
 
 impl Tone {
     /// Tabulates the encoding.
-    pub(super) fn new(map: ToneMap) -> Self {
-        Self { map, encoder: SrgbEncoder::default() }
+    pub(super) fn new(view: &View) -> Self {
+        let balance = Some(view.balance).filter(|balance| *balance != UNBALANCED);
+        let place = |step: usize| step as f32 / (AGX_STEPS - 1) as f32;
+        let curve = match view.tone_map {
+            ToneMap::Agx => (0..AGX_STEPS).map(|step| agx_curve(place(step))).collect(),
+            _ => Vec::new(),
+        };
+        Self { map: view.tone_map, balance, encoder: SrgbEncoder::default(), curve }
     }
 
     /// The code of an exposed linear colour.
     pub(super) fn encode(&self, colour: [f32; 3]) -> [u8; 3] {
-        let mapped = match self.map {
-            ToneMap::Neutral => neutral(colour),
-            ToneMap::None => colour,
-        };
-        mapped.map(|value| self.encoder.code(value))
+        self.mapped(colour).map(|value| self.encoder.code(value))
     }
+
+    /// The code of an exposed linear colour at a pixel, with a threshold from an ordered pattern instead of a half, so that
+    /// slow gradients have no bands. Without a tone curve codes are for measuring, and are rounded.
+    pub(super) fn encode_at(&self, colour: [f32; 3], x: usize, y: usize) -> [u8; 3] {
+        if self.map == ToneMap::None {
+            return self.encode(colour);
+        }
+        let shift = threshold(x, y);
+        self.mapped(colour).map(|value| self.encoder.code(value + shift * step(value)))
+    }
+
+    fn mapped(&self, colour: [f32; 3]) -> [f32; 3] {
+        let colour = match &self.balance {
+            Some(rows) => rows.map(|row| (row[0] * colour[0] + row[1] * colour[1] + row[2] * colour[2]).max(0.0)),
+            None => colour,
+        };
+        match self.map {
+            ToneMap::Neutral => neutral(colour),
+            ToneMap::Agx => self.agx(colour),
+            ToneMap::None => colour,
+        }
+    }
+
+    /// AgX (Sobotka 2022): into a narrower gamut, a sigmoid over the logarithm, and back.
+    fn agx(&self, colour: [f32; 3]) -> [f32; 3] {
+        let inset = times(&AGX_INSET, colour.map(|c| c.max(0.0)));
+        let curved = inset.map(|c| {
+            let stops = (log2f(c.max(1e-10)) - AGX_RANGE[0]) / (AGX_RANGE[1] - AGX_RANGE[0]);
+            let place = stops.clamp(0.0, 1.0) * (AGX_STEPS - 1) as f32;
+            let first = (place as usize).min(AGX_STEPS - 2);
+            self.curve[first] + (self.curve[first + 1] - self.curve[first]) * (place - first as f32)
+        });
+        times(&AGX_OUTSET, curved).map(|c| powf(c.max(0.0), 2.2))
+    }
+}
+
+/// Steps of the table of AgX's curve.
+const AGX_STEPS: usize = 1024;
+/// Stops about middle grey's 0.18 that the curve spans: log2 of linear values (Sobotka's -10 to +6.5).
+const AGX_RANGE: [f32; 2] = [-12.473_93, 4.026_069];
+/// Sobotka's inset of linear sRGB and the way back, rows.
+const AGX_INSET: [[f32; 3]; 3] = [
+    [0.842_479, 0.078_433_6, 0.079_223_7],
+    [0.042_328_2, 0.878_468_6, 0.079_166_1],
+    [0.042_375_7, 0.078_433_6, 0.879_142_6],
+];
+const AGX_OUTSET: [[f32; 3]; 3] = [
+    [1.196_879, -0.098_020_9, -0.099_029_7],
+    [-0.052_896_9, 1.151_903_1, -0.098_961_2],
+    [-0.052_971_6, -0.098_043_4, 1.151_073_7],
+];
+
+/// AgX's sigmoid through middle grey (Sobotka 2022): slope 2.4 there, powers 1.5 of toe and shoulder.
+fn agx_curve(x: f32) -> f32 {
+    const SLOPE: f32 = 2.4;
+    const POWER: f32 = 1.5;
+    const PIVOT: [f32; 2] = [10.0 / 16.5, 0.5];
+    // Each half is s t / (1 + |t|^p)^(1/p), t = slope (x - pivot) / s, with s such that the end is met.
+    let (end_x, end_y) = if x < PIVOT[0] { (0.0, 0.0) } else { (1.0, 1.0) };
+    let (run, rise) = ((PIVOT[0] - end_x).abs(), (PIVOT[1] - end_y).abs());
+    let scale = powf(powf(SLOPE * run, -POWER) * (powf(SLOPE * run / rise, POWER) - 1.0), -1.0 / POWER);
+    let t = SLOPE * (x - PIVOT[0]).abs() / scale;
+    let half = scale * t / powf(1.0 + powf(t, POWER), 1.0 / POWER);
+    if x < PIVOT[0] { PIVOT[1] - half } else { PIVOT[1] + half }
+}
+
+fn times(rows: &[[f32; 3]; 3], [r, g, b]: [f32; 3]) -> [f32; 3] {
+    rows.map(|row| row[0] * r + row[1] * g + row[2] * b)
+}
+
+/// Linear light of about one 8-bit step at a linear value: the slope of sRGB's curve, 2.4 / 1.055 of the power law's.
+fn step(linear: f32) -> f32 {
+    let root = linear.max(0.0).sqrt();
+    // The power 1.4 / 2.4, to some percent over what is displayed.
+    (0.008_92 * root * (0.63 + 0.37 * root.sqrt())).max(1.0 / (255.0 * 12.92))
+}
+
+/// -0.5 to 0.5 by an 8 x 8 pattern of even thresholds (Bayer 1973), from the bits of x ^ y and y interleaved.
+fn threshold(x: usize, y: usize) -> f32 {
+    let (mixed, y) = (x ^ y, y);
+    let bit = |value: usize, place: usize| value >> place & 1;
+    let rank = (0..3).fold(0, |rank, place| rank << 2 | bit(mixed, place) << 1 | bit(y, place));
+    (rank as f32 + 0.5) / 64.0 - 0.5
 }
 
 /// Khronos PBR Neutral (KhronosGroup/ToneMapping): takes off the usual 4 % surface reflection, keeps colours below 0.76 and
@@ -48,9 +137,24 @@ mod tests {
     use super::*;
     use crate::base::maths::linear_to_srgb8;
 
+    fn tone(tone_map: ToneMap) -> Tone {
+        let view = View {
+            width: 1,
+            height: 1,
+            samples: 1,
+            shadow_size: 0,
+            exposure: 1.0,
+            metered: false,
+            balance: UNBALANCED,
+            tone_map,
+            wireframe: None,
+        };
+        Tone::new(&view)
+    }
+
     #[test]
     fn without_a_curve_codes_are_those_of_srgb() {
-        let tone = Tone::new(ToneMap::None);
+        let tone = tone(ToneMap::None);
         for step in 0..=1000u16 {
             let value = f32::from(step) / 1000.0;
             let code = tone.encode([value; 3])[0];
@@ -68,5 +172,35 @@ mod tests {
             assert!(mapped.iter().all(|c| (0.0..=1.0).contains(c)));
         }
         assert!(neutral([2.0, 2.0, 2.0])[0] < neutral([3.0, 3.0, 3.0])[0]);
+    }
+
+    #[test]
+    fn agx_keeps_grey_grey_and_middle_grey_in_the_middle_and_never_clips() {
+        let tone = tone(ToneMap::Agx);
+        let middle = tone.mapped([0.18; 3]);
+        // 0.5 of the encoded range by definition.
+        assert!((middle[1] - powf(0.5, 2.2)).abs() < 2e-3 && (middle[0] - middle[2]).abs() < 1e-3, "{middle:?}");
+        let mut last = -1.0;
+        for stop in -12..5 {
+            let value = tone.mapped([libm::exp2f(stop as f32); 3])[1];
+            assert!(value > last && value <= 1.0001, "{stop} {value}");
+            last = value;
+        }
+        assert!((agx_curve(1.0) - 1.0).abs() < 1e-4 && agx_curve(0.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_dithered_gradient_has_its_mean_and_no_code_is_more_than_one_off() {
+        let tone = tone(ToneMap::Neutral);
+        for step in 1..60 {
+            let value = step as f32 * 0.0113;
+            let (mut sum, exact) = (0.0, crate::base::maths::linear_to_srgb(neutral([value; 3])[0]) * 255.0);
+            for (x, y) in (0..8).flat_map(|x| (0..8).map(move |y| (x, y))) {
+                let code = f32::from(tone.encode_at([value; 3], x, y)[0]);
+                assert!((code - exact).abs() < 1.25, "{value}: {code} {exact}");
+                sum += code;
+            }
+            assert!((sum / 64.0 - exact).abs() < 0.15, "{value}: {} {exact}", sum / 64.0);
+        }
     }
 }

@@ -11,12 +11,12 @@ use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault};
 use crate::base::figures::Figures;
 use crate::base::picture::Picture;
 use crate::compose::contact_sheet::Sheet;
-use crate::compose::{Falls, Garment, Stock, picture_inset};
+use crate::compose::{self, Falls, Garment, Stock, picture_inset};
 use crate::export;
 use crate::fall::Counts;
 use crate::frame::Frame;
 use crate::plan::{self, PlannedFrame};
-use crate::raster;
+use crate::raster::Renderer;
 use crate::report::{FrameReport, Report};
 use crate::scene::output::{Chart, Gltf};
 use crate::scene::{Scene, camera::Subject};
@@ -40,6 +40,7 @@ pub struct Run<'a> {
     names: Names,
     report: Report,
     states_text: String,
+    renderer: Renderer,
     /// How many times as large pictures are drawn before they are averaged.
     enlarged: u32,
 }
@@ -49,7 +50,7 @@ impl<'a> Run<'a> {
     pub fn new(scene: &'a Scene, options: &'a Options, cells: Vec<Prepared>, names: Names, report: Report) -> Self {
         let trees = cells.iter().map(|cell| cell.stand.trees.len()).max().unwrap_or(0);
         let states_text = states_file::header(trees > 1, scene.sheet_column());
-        Self { scene, options, cells, names, report, states_text, enlarged: 1 }
+        Self { scene, options, cells, names, report, states_text, renderer: Renderer::default(), enlarged: 1 }
     }
 
     /// The same run with pictures that are drawn so many times as large.
@@ -201,7 +202,8 @@ impl<'a> Run<'a> {
             let frame = timed(&mut self.report, "compose", || {
                 let trees = stock.frame(scene, stand, &worn);
                 let leaf = (scene.camera.subject == Subject::Leaf).then(|| stock.specimen(scene, &worn, &trees));
-                let frame = leaf.flatten().unwrap_or(trees);
+                let mut frame = leaf.flatten().unwrap_or(trees);
+                frame.camera = compose::turned(scene, index, frame.camera);
                 let instances = frame.instances.len() as u64;
                 Ok::<_, Diagnostics>((frame, Figures::of(instances)))
             })?;
@@ -246,12 +248,12 @@ impl<'a> Run<'a> {
 
     fn rasterised(&mut self, frame: &Frame, worn: &[Option<Garment>], stock: &Stock) -> Result<Picture, Diagnostics> {
         let inset = self.scene.output.inset.then(|| stock.inset(worn, frame)).flatten();
-        let enlarged = self.enlarged;
+        let (renderer, enlarged) = (&mut self.renderer, self.enlarged);
         timed(&mut self.report, "raster", || {
             let before = stopwatch::processor_seconds();
-            let (mut picture, figures) = enlargement::drawn(frame, enlarged);
+            let (mut picture, figures) = enlargement::drawn(renderer, frame, enlarged);
             if let Some(inset) = &inset {
-                picture_inset::place(&mut picture, &raster::draw(inset).0);
+                picture_inset::place(&mut picture, &renderer.draw(inset).0);
             }
             Ok((picture, figures.with("cpu_seconds", stopwatch::processor_seconds() - before)))
         })

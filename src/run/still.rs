@@ -5,7 +5,7 @@ use super::preparation::{self, Asked, Prepared};
 use super::wardrobe;
 use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault};
 use crate::base::limits::Limits;
-use crate::compose::{Falls, Stock};
+use crate::compose::{self, Falls, Stock};
 use crate::frame::Frame;
 use crate::plan;
 use crate::report::Report;
@@ -19,6 +19,7 @@ pub struct Still {
     prepared: Prepared,
     states: Option<LeafStates>,
     falls: Option<Falls>,
+    index: i64,
     limits: Limits,
 }
 
@@ -38,7 +39,7 @@ impl Still {
         let states = prepared.assigned(index, &mut report);
         let falls =
             states.as_ref().and_then(|states| leaf_falls::falls(&prepared.scene, &prepared.stand, states, index));
-        Ok(Self { prepared, states, falls, limits: limits.clone() })
+        Ok(Self { prepared, states, falls, index, limits: limits.clone() })
     }
 
     /// The scene, its moment resolved to a day.
@@ -77,7 +78,8 @@ impl Still {
         let worn = self.states.as_ref().map_or_else(Vec::new, |states| plan::garments(scene, stand, states));
         let trees = stock.frame(scene, stand, &worn);
         let leaf = (scene.camera.subject == Subject::Leaf).then(|| stock.specimen(scene, &worn, &trees));
-        let frame = leaf.flatten().unwrap_or(trees);
+        let mut frame = leaf.flatten().unwrap_or(trees);
+        frame.camera = compose::turned(scene, self.index, frame.camera);
         let frame = match &self.falls {
             Some(falls) if plan.has("fall") => stock.strewn(scene, stand, falls, frame).0,
             _ => frame,

@@ -26,6 +26,16 @@ settings! {
         target: Option<[f64; 3]> = None, unit "m", range -1e5 => 1e5;
         /// Angle of view from the lower to the upper edge.
         field_of_view: f64 = 20.0, unit "°", range 1.0 => 150.0;
+        /// Focal length of a full-frame lens (its picture is 36 mm wide) instead of an angle of view; 50 to 85 suits a tree.
+        focal_length: Option<f64> = None, unit "mm", range 4.0 => 2000.0;
+        /// Height of a fitted camera's eye above the ground: a standing person's.
+        eye_height: f64 = 1.6, unit "m", range 0.01 => 1000.0;
+        /// Share of the picture that the trees fill before a fitted camera.
+        fill: f64 = 0.84, range 0.05 => 1.0;
+        /// Turn of the camera around its target; 90 shows the tree from the right. The sun stays with the unturned camera.
+        orbit: f64 = 0.0, unit "°", range -3600.0 => 3600.0;
+        /// Further turn over the frames of the scene, the last being one step short of it: 360 is a turntable.
+        turn: f64 = 0.0, unit "°", range -36000.0 => 36000.0;
         /// Nearest distance that is drawn.
         near: f64 = 0.05, unit "m", range 1e-4 => 1e4;
         /// Farthest distance that is drawn; beyond `near`.

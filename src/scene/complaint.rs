@@ -1,6 +1,6 @@
 //! What the stages' checks complain of.
 
-use super::{Scene, Species, camera, image, planting};
+use super::{Scene, Species, camera, image, light, planting};
 use crate::base::settings::Complaint;
 use crate::{colour, deform, fall, leaf, season, tree};
 
@@ -12,6 +12,7 @@ pub fn of_scene(scene: &Scene) -> Vec<(String, Complaint)> {
         found.extend(list.into_iter().map(|complaint| (table.to_owned(), complaint)));
     };
     take("camera", camera::check(&scene.camera));
+    take("light", light::check(&scene.light));
     take("image", image::check(&scene.image));
     take("fall", fall::check(&scene.fall));
     for (entry, planted) in scene.trees.iter().enumerate() {

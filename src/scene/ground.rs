@@ -7,6 +7,8 @@ choice! {
     pub enum Cover {
         /// A meadow, fading into the distance.
         Grass = "grass",
+        /// Bare soil.
+        Soil = "soil",
         /// Nothing: the tree stands before the sky.
         None = "none",
     }
@@ -17,5 +19,7 @@ settings! {
     pub struct Ground {
         /// What covers it.
         kind: Cover = Cover::Grass;
+        /// Whether a wood closes it off in the distance.
+        wood: bool = true;
     }
 }

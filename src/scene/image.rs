@@ -19,6 +19,18 @@ choice! {
     }
 }
 
+choice! {
+    /// What is seen where nothing stands.
+    pub enum Backdrop {
+        /// The sky and the ground.
+        Sky = "sky",
+        /// One colour, `background_colour`; the trees keep the light of their surroundings.
+        Plain = "plain",
+        /// Nothing: the picture is transparent there.
+        Transparent = "transparent",
+    }
+}
+
 settings! {
     /// The picture. Width times height is bounded by the limit `pixels`.
     pub struct Image {
@@ -30,8 +42,14 @@ settings! {
         columns: u32 = 0, range 0 => 100;
         /// Samples in each pixel: 1, 4, 8 or 16.
         samples: u32 = 8, range 1 => 16;
+        /// Distance that a coarser mesh may lie from the full one where it stands; 0 draws full meshes.
+        lod_error: f64 = 0.3, unit "px", range 0.0 => 100.0;
         /// What leaves show; all but "lit" are charts that no light changes.
         leaves: Leaves = Leaves::Lit;
+        /// What is seen where nothing stands.
+        background: Backdrop = Backdrop::Sky;
+        /// Colour of a plain background, sRGB.
+        background_colour: [f64; 3] = [1.0, 1.0, 1.0], range 0.0 => 1.0;
         /// Width of lines over the edges of every triangle; 0 for none.
         wireframe: f64 = 0.0, unit "px", range 0.0 => 100.0;
     }

@@ -134,7 +134,7 @@ impl Scene {
     #[must_use]
     pub fn leaves_fall(&self) -> bool {
         let seen = self.camera.subject == camera::Subject::Trees;
-        seen && self.fall.on.unwrap_or(self.ground.kind == ground::Cover::Grass)
+        seen && self.fall.on.unwrap_or(self.ground.kind != ground::Cover::None)
     }
 
     /// The place of a key or of its nearest table that stands in the scene or an assignment.

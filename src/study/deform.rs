@@ -139,6 +139,15 @@ fn all_ways(quick: bool) -> Vec<Way> {
     ways
 }
 
+/// The ways that are tried on a blade of the user's, the scene's own tolerance among them.
+pub fn ways_around(tolerance: f64) -> Vec<Way> {
+    let mut ways = all_ways(true);
+    if !ways.iter().any(|way| way.method == Method::Newton && way.tolerance.total_cmp(&tolerance).is_eq()) {
+        ways.insert(0, Way::newton(tolerance));
+    }
+    ways
+}
+
 /// The problems, the measured one first.
 fn problems(quick: bool) -> Vec<Problem> {
     let few = || if quick { vec![Way::newton(3e-4)] } else { [1e-2, 3e-4, 1e-7].map(Way::newton).to_vec() };

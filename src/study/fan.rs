@@ -4,7 +4,7 @@ use super::linear::Linear;
 use crate::base::maths::{atan, sincos};
 use crate::base::mesh::Mesh;
 use crate::base::vector::{Affine, DVec2, Vec2, Vec3};
-use crate::frame::{Camera, Frame, Instance, Material, Model, Part, Sky, Sun, ToneMap, View};
+use crate::frame::{Background, Camera, Frame, Instance, Material, Model, Part, Sky, Sun, ToneMap, UNBALANCED, View};
 use std::f64::consts::TAU;
 
 /// Pixels along each side.
@@ -70,14 +70,18 @@ pub fn frame() -> Frame {
             far: 100.0,
         },
         sun: Sun { direction: Vec3::y(), irradiance: [0.0; 3] },
-        sky: Sky { zenith: [0.0; 3], horizon: [0.0; 3] },
+        sky: Sky { zenith: [0.0; 3], horizon: [0.0; 3], clear: None, clouds: None },
         ground: None,
+        background: Background::Sky,
         view: View {
             width: SIDE,
             height: SIDE,
             samples: 1,
+            lod_error: 0.0,
             shadow_size: 0,
             exposure: 1.0,
+            metered: false,
+            balance: UNBALANCED,
             tone_map: ToneMap::None,
             wireframe: None,
         },

@@ -83,6 +83,7 @@ pub fn reference(frame: &Frame, side: u32, samples: u32) -> Linear {
     large.view.width *= side;
     large.view.height *= side;
     large.view.samples = samples;
+    large.view.lod_error = 0.0;
     drawn(&large).averaged(side)
 }
 

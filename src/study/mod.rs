@@ -25,6 +25,7 @@ mod mesh;
 pub mod numbers;
 mod oscillator;
 mod outlines;
+mod own;
 mod problems;
 mod quality;
 mod raster;
@@ -40,6 +41,7 @@ pub mod trees;
 use crate::base::diagnostic::Diagnostics;
 pub use count::do_row;
 use desk::{Desk, Family, Request};
+use own::Own;
 
 /// Runs the families that are asked for; whether every line passes. `tell` is told of each row.
 ///
@@ -48,16 +50,24 @@ use desk::{Desk, Family, Request};
 pub fn run(request: &Request, tell: &mut dyn FnMut(&str)) -> Result<bool, Diagnostics> {
     let mut desk = Desk::new(request, tell);
     let scene = request.subject.as_ref().map(|subject| &subject.scene);
-    if desk.has(Family::Chain) {
-        chain::study(&mut desk, None)?;
+    let looks_inside = [Family::Chain, Family::Mesh, Family::Deform].iter().any(|family| desk.has(*family));
+    let own = match scene.filter(|_| looks_inside) {
+        Some(scene) => Own::of(&mut desk, scene)?,
+        None => Own::default(),
+    };
+    // Built-in problems stand in for no part of a scene.
+    let is_free = |has_part: bool| scene.is_none() || has_part;
+    if desk.has(Family::Chain) && is_free(own.chain.is_some()) {
+        chain::study(&mut desk, own.chain)?;
     }
-    if desk.has(Family::Mesh) {
-        mesh::study(&mut desk, None)?;
+    if desk.has(Family::Mesh) && is_free(own.blade.is_some()) {
+        mesh::study(&mut desk, own.blade)?;
     }
-    if desk.has(Family::Deform) {
-        deform::study(&mut desk, None)?;
+    if desk.has(Family::Deform) && is_free(own.bending.is_some()) {
+        deform::study(&mut desk, own.bending)?;
     }
-    if desk.has(Family::Stability) {
+    // What is stable does not depend on a scene.
+    if desk.has(Family::Stability) && is_free(request.families.len() == 1) {
         stability::study(&mut desk)?;
         matrix::study(&mut desk)?;
     }

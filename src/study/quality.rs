@@ -15,7 +15,7 @@ use crate::run::{self, Options};
 use crate::scene::{self, Asset, Scene};
 use std::fs;
 
-const COLUMNS: [&str; 13] = [
+const COLUMNS: [&str; 14] = [
     "scene",
     "asked",
     "reached",
@@ -24,6 +24,7 @@ const COLUMNS: [&str; 13] = [
     "kept",
     "samples",
     "enlarged",
+    "lod_error_px",
     "vertices",
     "tolerance",
     "foreseen_leaf",
@@ -63,7 +64,7 @@ pub fn study(desk: &mut Desk<'_>) -> Result<(), Diagnostics> {
     };
     let mut table = Table::new(&COLUMNS);
     let (mut curves, mut broken, mut out_of_reach) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut floor, mut cheaper) = (0.0f64, Vec::new());
+    let (mut floor, mut cheaper, mut settings) = (0.0f64, Vec::new(), Vec::new());
     for (name, scene) in &scenes {
         let exact = exact(desk, name, scene)?;
         floor = floor.max(exact.floor);
@@ -87,6 +88,7 @@ pub fn study(desk: &mut Desk<'_>) -> Result<(), Diagnostics> {
             table.push(row(name, &told, reached, seconds));
             points.push([asked, reached]);
             work.push(told.samples * told.enlarged * told.enlarged);
+            settings.push((told, reached));
         }
         cheaper.push(work.is_sorted());
         curves.push(Curve::new(name.clone(), points));
@@ -133,7 +135,35 @@ pub fn study(desk: &mut Desk<'_>) -> Result<(), Diagnostics> {
         table.markdown(&COLUMNS)
     );
     desk.section("The error that a scene asks for", &text);
+    if desk.request.subject.is_some() {
+        desk.section("Recommendation", &recommendation(&settings));
+    }
     Ok(())
+}
+
+/// The cheapest settings that were seen to reach each error, as lines to be written into the scene.
+fn recommendation(settings: &[(Reached, f64)]) -> String {
+    let mut text = "The cheapest settings that were measured to stay within an error (or write `[quality] error` and have them \
+                    chosen):\n"
+        .to_owned();
+    for (told, reached) in settings {
+        let leaf = told.leaves.first();
+        let leaf = leaf.map_or_else(String::new, |leaf| {
+            format!(", leaf.vertices = {}, deform.shell.tolerance = {}", leaf.vertices, leaf.tolerance)
+        });
+        let (samples, lod) = (told.samples, told.lod_error_px);
+        let large = match told.enlarged {
+            1 => String::new(),
+            times => format!(", drawn {times} times as large (only `[quality] error` does that)"),
+        };
+        let within = if *reached <= told.asked { "" } else { ": NOT REACHED" };
+        text.push_str(&format!(
+            "\n- {}{within} ({} measured): image.samples = {samples}, image.lod_error = {lod:.1}{leaf}{large}",
+            told.asked,
+            shown(*reached)
+        ));
+    }
+    text
 }
 
 /// The picture with everything as fine as can be.
@@ -179,6 +209,7 @@ fn row(name: &str, told: &Reached, reached: f64, seconds: f64) -> Vec<Field> {
         (reached <= told.asked).into(),
         told.samples.into(),
         told.enlarged.into(),
+        told.lod_error_px.into(),
         leaf.map_or(Field::Number(None), |leaf| leaf.vertices.into()),
         leaf.map(|leaf| leaf.tolerance).into(),
         part("leaf"),

@@ -55,6 +55,7 @@ pub fn chosen(scene: &Scene, error: f64, limits: &Limits) -> Result<Chosen, Diag
         // Nothing is seen; a file of meshes keeps what the author set.
         chosen.reached.is_within = true;
         chosen.reached.samples = scene.image.samples;
+        chosen.reached.lod_error_px = scene.image.lod_error;
         chosen.reached.enlarged = 1;
         return Ok(chosen);
     }
@@ -80,8 +81,11 @@ pub fn chosen(scene: &Scene, error: f64, limits: &Limits) -> Result<Chosen, Diag
     let room = (planned * planned - shape_square - solver_square).max(0.0).sqrt();
     let pixels = scene.image.pixels();
     let fits = |times: u32| limits.allow(Limit::Pixels, "image", pixels * f64::from(times * times)).is_ok();
-    let (sampling, raster) = probe::cheapest(&probes.iter().map(|(_, probe)| probe).collect::<Vec<_>>(), room, fits);
+    let mut probes: Vec<Probe> = probes.into_iter().map(|(_, probe)| probe).collect();
+    let (sampling, raster) = probe::cheapest(&mut probes, room, fits);
     chosen.scene.image.samples = sampling.samples;
+    chosen.scene.image.lod_error = f64::from(sampling.lod_error());
+    chosen.reached.lod_error_px = f64::from(sampling.lod_error());
     let reached = (shape_square + solver_square + raster * raster).sqrt();
     let parts = [("leaf", shape_square.sqrt()), ("deform", solver_square.sqrt()), ("raster", raster)];
     chosen.reached.stages = parts.map(|(name, part)| (name.to_owned(), part)).into_iter().collect::<BTreeMap<_, _>>();

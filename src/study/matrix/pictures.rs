@@ -105,7 +105,7 @@ fn lit(light: f32) -> Seen {
     frame.materials[0].unlit = false;
     frame.view.tone_map = ToneMap::Neutral;
     frame.sun = crate::frame::Sun { direction: Vec3::new(0.0, 0.6, 0.8), irradiance: [light; 3] };
-    frame.sky = crate::frame::Sky { zenith: [light; 3], horizon: [light; 3] };
+    (frame.sky.zenith, frame.sky.horizon) = ([light; 3], [light; 3]);
     let (whole, picture) = drawn(&frame);
     let brightest = picture.pixels.iter().map(|pixel| pixel[0]).max().unwrap_or(0);
     let expected = if light > 0.0 { 255 } else { 0 };
