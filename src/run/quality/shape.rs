@@ -12,7 +12,7 @@ use crate::run::wardrobe;
 use crate::scene::Species;
 
 /// Vertices that are tried, each about 1.7 times the one before.
-const VERTICES: [u32; 9] = [40, 70, 120, 200, 350, 600, 1000, 1700, 3000];
+const VERTICES: [u32; 8] = [40, 70, 120, 200, 350, 600, 1000, 1700];
 /// How many rungs finer a mesh is that one is held against.
 const FINER: usize = 2;
 /// States of which shapes are compared at most: the driest, and one between.
