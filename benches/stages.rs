@@ -12,7 +12,7 @@ use leafseason::base::limits::Limits;
 use leafseason::base::mesh::Mesh;
 use leafseason::base::picture::Picture;
 use leafseason::colour::Painted;
-use leafseason::compose::{Dropped, Falls, Form, Garment, Stand, Stock, Wardrobe};
+use leafseason::compose::{Dropped, Falls, Form, Garment, Stand, Stock, Wardrobe, Ways};
 use leafseason::export::Layout;
 use leafseason::frame::Frame;
 use leafseason::plan::{garments, items};
@@ -145,7 +145,7 @@ fn falls(scene: &Scene, stand: &Stand, states: &LeafStates) -> Falls {
     let drop = |site: usize| Dropped { site, year: 0, day: states.since[site], state: states.before[site] };
     let dropped: Vec<Dropped> = places.map(drop).collect();
     let attached = (states.states.len() - dropped.len()) as u64;
-    Falls::new(scene, stand, &states.names, &dropped, attached, scene.time.at(0))
+    Falls::new((scene, stand, &states.names), &dropped, attached, scene.time.at(0), &mut Ways::default())
 }
 
 fn states(scene: &Scene, ids: &[u64]) -> LeafStates {

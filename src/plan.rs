@@ -184,7 +184,8 @@ pub fn plan(scene: &Scene, states: &[String], rolls: &[Roll], counted: &[Counted
         }
     }
     plan_outputs(&mut plan, scene);
-    plan_frames(&mut plan, counted, leave_out);
+    // A camera that turns sees the same leaves from another side.
+    plan_frames(&mut plan, counted, leave_out && scene.camera.turn == 0.0);
     plan
 }
 

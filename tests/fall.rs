@@ -168,3 +168,143 @@ fn the_plan_makes_only_what_fallen_leaves_show() {
     let gone = run::plan(&small(&["time.day=400", "fall.days=20"]), &Options::default()).unwrap();
     assert!(!gone.has("fall") && !gone.has("leaf"));
 }
+
+#[test]
+fn the_way_of_a_leaf_is_found_once_in_a_run() {
+    let scene = small(&["time.from=4", "time.to=40", "time.step=2", "output.png=false"]);
+    let (_, report) = rendered(&scene, Options::default());
+    let last = report.frames.last().unwrap().fall.unwrap();
+    let stage = report.stages.iter().find(|stage| stage.name == "fall").unwrap();
+    assert!(stage.runs > 10 && last.lying > 100);
+    // every frame is counted and drawn; each leaf that fell in any of them is looked into once
+    assert_eq!(stage.figures["ways"].as_u64(), Some(last.grown - last.attached));
+}
+
+/// A lying leaf of a GLB whose leaves are nodes: its blade's corners, triangle by triangle, metres.
+fn lying_blades(glb: &[u8]) -> Vec<Vec<[[f64; 3]; 3]>> {
+    let json = json(glb);
+    let start = 28 + u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let bytes = |accessor: &Value, size: usize| {
+        let accessor = &json["accessors"][accessor.as_u64().unwrap() as usize];
+        let view = &json["bufferViews"][accessor["bufferView"].as_u64().unwrap() as usize];
+        let offset = |value: &Value| value["byteOffset"].as_u64().unwrap_or(0) as usize;
+        let first = start + offset(view) + offset(accessor);
+        let stride = view["byteStride"].as_u64().map_or(size, |stride| stride as usize);
+        let count = accessor["count"].as_u64().unwrap() as usize;
+        (0..count).map(|n| glb[first + n * stride..][..size].to_vec()).collect::<Vec<_>>()
+    };
+    let number = |bytes: &[u8]| bytes.iter().rev().fold(0u64, |sum, &byte| sum << 8 | u64::from(byte));
+    let numbers = |value: &Value, without: &[f64]| {
+        value.as_array().map_or(without.to_vec(), |list| list.iter().map(|v| v.as_f64().unwrap()).collect())
+    };
+    let mut blades = Vec::new();
+    for node in json["nodes"].as_array().unwrap() {
+        let is_lying = node["name"].as_str().unwrap().starts_with("fallen_") && !node["mesh"].is_null();
+        let mesh = &json["meshes"][node["mesh"].as_u64().unwrap_or(0) as usize];
+        if !is_lying || !mesh["name"].as_str().unwrap().starts_with("fallen_") {
+            continue;
+        }
+        let primitive = &mesh["primitives"][0];
+        let [t, q, s] =
+            [("translation", 3, 0.0), ("rotation", 4, 0.0), ("scale", 3, 1.0)].map(|(key, count, value)| {
+                let mut without = vec![value; count];
+                if key == "rotation" {
+                    without[3] = 1.0;
+                }
+                numbers(&node[key], &without)
+            });
+        let point = |bytes: &Vec<u8>| {
+            let v: [f64; 3] = std::array::from_fn(|k| {
+                s[k] * f64::from(f32::from_le_bytes(bytes[4 * k..4 * k + 4].try_into().unwrap()))
+            });
+            let cross = |a: &[f64], b: &[f64]| {
+                [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+            };
+            let once = cross(&q[..3], &v);
+            let twice = cross(&q[..3], &once);
+            std::array::from_fn(|k| t[k] + v[k] + 2.0 * (q[3] * once[k] + twice[k]))
+        };
+        let points: Vec<[f64; 3]> = bytes(&primitive["attributes"]["POSITION"], 12).iter().map(point).collect();
+        let indices = &primitive["indices"];
+        let size = match json["accessors"][indices.as_u64().unwrap() as usize]["componentType"].as_u64() {
+            Some(5121) => 1,
+            Some(5123) => 2,
+            _ => 4,
+        };
+        let corners: Vec<[f64; 3]> = bytes(indices, size).iter().map(|bytes| points[number(bytes) as usize]).collect();
+        blades.push(corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect());
+    }
+    blades
+}
+
+/// Points of a blade, a millimetre apart.
+fn points(blade: &[[[f64; 3]; 3]]) -> Vec<[f64; 3]> {
+    let mut points = Vec::new();
+    for [a, b, c] in blade {
+        let apart = |p: &[f64; 3], q: &[f64; 3]| (0..3).map(|k| (p[k] - q[k]) * (p[k] - q[k])).sum::<f64>().sqrt();
+        let steps = (apart(a, b).max(apart(b, c)).max(apart(c, a)) / 1e-3) as usize + 1;
+        for (i, j) in (0..=steps).flat_map(|i| (0..=steps - i).map(move |j| (i, j))) {
+            let (u, v) = (i as f64 / steps as f64, j as f64 / steps as f64);
+            points.push(std::array::from_fn(|k| a[k] + (b[k] - a[k]) * u + (c[k] - a[k]) * v));
+        }
+    }
+    points
+}
+
+#[test]
+fn no_leaf_lies_in_the_ground_and_none_hovers() {
+    let sets = ["time.day=20", "tree.age=6", "output.png=false", "fall.browning=8", "fall.days=60"];
+    let (files, report) = rendered(&small(&sets), Options::default());
+    let stage = report.stages.iter().find(|stage| stage.name == "fall").unwrap();
+    let buried = stage.figures["buried"].as_u64().unwrap() as usize;
+    let blades = lying_blades(&files["small.glb"]);
+    assert!(blades.len() > 200 && blades.len() + buried == report.frames[0].fall.unwrap().lying as usize);
+    let lowest = |blade: &Vec<[[f64; 3]; 3]>| blade.iter().flatten().map(|p| p[1]).fold(f64::INFINITY, f64::min);
+    assert!(blades.iter().all(|blade| lowest(blade) > -1e-3));
+    // those that do not lie on the ground, by the cubes of 2 mm about their points
+    let cube = |p: &[f64; 3]| p.map(|metres| (metres / 2e-3).floor() as i64);
+    let mut hovering: BTreeSet<usize> = (0..blades.len()).filter(|&n| lowest(&blades[n]) > 2e-3).collect();
+    let above = hovering.len();
+    let mut near: std::collections::HashMap<[i64; 3], Vec<(usize, [f64; 3])>> = Default::default();
+    for &number in &hovering {
+        points(&blades[number]).into_iter().for_each(|p| near.entry(cube(&p)).or_default().push((number, p)));
+    }
+    for (number, blade) in blades.iter().enumerate() {
+        for p in points(blade) {
+            let [x, y, z] = cube(&p);
+            for n in 0..27 {
+                let Some(others) = near.get(&[x + n % 3 - 1, y + n / 3 % 3 - 1, z + n / 9 - 1]) else { continue };
+                for (other, q) in others.iter().filter(|(other, _)| *other != number) {
+                    // points a millimetre apart are within 0.6 mm of any place of their blade
+                    if (0..3).map(|k| (p[k] - q[k]) * (p[k] - q[k])).sum::<f64>() < 2.6e-3 * 2.6e-3 {
+                        hovering.remove(other);
+                    }
+                }
+            }
+        }
+    }
+    // what lies on buried leaves only, which are not in the file
+    assert!(above > 20 && hovering.len() <= buried, "{} of {above} hover; {buried} are buried", hovering.len());
+}
+
+#[test]
+fn a_lying_leaf_takes_forty_bytes_of_an_instanced_file() {
+    let scene = small(&["time.day=9", "output.png=false", "output.gltf=\"instanced\""]);
+    let (files, report) = rendered(&scene, Options::default());
+    let json = json(&files["small.glb"]);
+    let (mut bytes, mut leaves) = (0, 0);
+    for node in json["nodes"].as_array().unwrap() {
+        let attributes = &node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+        if !node["name"].as_str().unwrap().starts_with("fallen_") {
+            continue;
+        }
+        for (name, accessor) in attributes.as_object().into_iter().flatten() {
+            let accessor = &json["accessors"][accessor.as_u64().unwrap() as usize];
+            let count = accessor["count"].as_u64().unwrap();
+            leaves += if name == "TRANSLATION" { count } else { 0 };
+            bytes += count * if accessor["type"] == "VEC4" { 16 } else { 12 };
+        }
+    }
+    assert!(leaves > 50 && leaves <= report.frames[0].fall.unwrap().lying);
+    assert_eq!(bytes, 40 * leaves);
+}

@@ -114,6 +114,29 @@ fn the_sun_before_a_leaf_shows_its_reflectance_and_behind_it_its_transmittance()
 }
 
 #[test]
+fn a_leaf_lit_from_behind_outshines_its_neighbour_in_the_shade() {
+    // A clear noon: the sky gives a quarter of the sun's light. A green leaf of the red maple.
+    let mut frame = frame();
+    frame.materials[0].colour = [0.045, 0.085, 0.030];
+    frame.materials[0].transmission = [0.035, 0.085, 0.010];
+    frame.sky = Sky { zenith: [0.25; 3], horizon: [0.25; 3], ..Sky::default() };
+    frame.sun = Sun { direction: Vec3::new(0.0, 0.6, -0.8), irradiance: [PI; 3] };
+    frame.view.exposure = 4.0;
+    let behind = middle(&frame);
+    frame.sun.direction = Vec3::new(0.0, 0.6, 0.8);
+    let front = middle(&frame);
+    // A board between the leaf and the sun, above what the middle of the picture shows.
+    let board = Affine { translation: Vec3::new(0.0, 1.8, 2.4), ..Affine::identity() };
+    frame.materials.push(Material { name: "board".into(), transmission: [0.0; 3], ..leaf() });
+    frame.models.push(Model { name: "board".into(), parts: vec![Part { mesh: 0, material: 1 }] });
+    frame.instances.push(Instance { model: 1, transform: board, leaf: None });
+    let shaded = middle(&frame);
+    let albedo: [f32; 3] = [0.045 + 0.035, 0.085 + 0.085, 0.030 + 0.010];
+    assert_near(shaded, codes(albedo.map(|share| share * 0.25 * 4.0)));
+    assert!((0..3).all(|k| behind[k] > shaded[k] && front[k] > shaded[k]), "{behind:?} {front:?} {shaded:?}");
+}
+
+#[test]
 fn the_lower_side_reflects_by_its_own_measure() {
     let mut frame = frame();
     frame.materials[0].back_gain = 1.5;

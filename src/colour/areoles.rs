@@ -26,8 +26,9 @@ pub(super) struct Areole {
 /// Where a point lies in the net.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spot {
-    /// Number of the areole.
+    /// Number of the areole, and of the one beyond the nearest veinlet.
     pub areole: u32,
+    pub next: u32,
     /// Distance to the nearest veinlet, texture widths.
     pub veinlet: f32,
     /// Whether that veinlet bounds a patch.
@@ -79,6 +80,7 @@ impl Net {
         let apart = (self.areoles[owner].place - self.areoles[next].place).norm();
         Spot {
             areole: owner as u32,
+            next: next as u32,
             veinlet: (second - first) / (2.0 * apart).max(1e-6),
             strong: self.areoles[owner].patch != self.areoles[next].patch,
         }

@@ -1,84 +1,108 @@
 //! Exact distances on a grid of pixels: to the nearest pixel of a set, and which one that is.
 //!
-//! Felzenszwalb and Huttenlocher 2012, "Distance Transforms of Sampled Functions": lower envelopes of parabolas, first down
-//! the columns and then along the rows.
+//! Felzenszwalb and Huttenlocher 2012, "Distance Transforms of Sampled Functions": lower envelopes of parabolas along the rows,
+//! over what two sweeps, down and up, find in the columns.
 
 /// Stands for "no pixel of the set here"; a distance whose square still is a finite f32 sum.
 const FAR: f32 = 1e12;
+/// No row.
+const NONE: u32 = u32::MAX;
 
 /// For each pixel of a square grid, the squared distance (pixels) to the nearest pixel of `set` and its number. Without any
 /// pixel in the set, distances are at least 1e12 and the numbers mean nothing.
 pub(super) fn nearest(set: &[bool], size: usize) -> (Vec<f32>, Vec<u32>) {
-    let mut squares: Vec<f32> = set.iter().map(|&inside| if inside { 0.0 } else { FAR }).collect();
+    let rows = columns(set, size);
+    let mut squares = vec![FAR; set.len()];
     let mut sources: Vec<u32> = (0..set.len() as u32).collect();
     let mut envelope = Envelope::new(size);
-    for column in 0..size {
-        envelope.transform(&mut squares, &mut sources, column, size);
-    }
-    for row in 0..size {
-        envelope.transform(&mut squares, &mut sources, row * size, 1);
+    for (row, feet) in rows.chunks_exact(size.max(1)).enumerate() {
+        let places = row * size..(row + 1) * size;
+        envelope.transform(row, feet, &mut squares[places.clone()], &mut sources[places]);
     }
     (squares, sources)
 }
 
-/// Working memory for one line.
+/// For each pixel the row of the nearest pixel of the set in its column, the upper one of two as near; `NONE` in an empty column.
+fn columns(set: &[bool], size: usize) -> Vec<u32> {
+    let mut rows = vec![NONE; set.len()];
+    let mut last = vec![NONE; size];
+    for row in 0..size {
+        let places = row * size..(row + 1) * size;
+        for ((found, last), &is_set) in rows[places.clone()].iter_mut().zip(&mut last).zip(&set[places]) {
+            *last = if is_set { row as u32 } else { *last };
+            *found = *last;
+        }
+    }
+    last.fill(NONE);
+    for row in (0..size).rev() {
+        let places = row * size..(row + 1) * size;
+        for ((found, last), &is_set) in rows[places.clone()].iter_mut().zip(&mut last).zip(&set[places]) {
+            *last = if is_set { row as u32 } else { *last };
+            // Without one above, the difference wraps to far more than any row's number.
+            let (above, below) = ((row as u32).wrapping_sub(*found), last.wrapping_sub(row as u32));
+            *found = if *found == NONE || (*last != NONE && below < above) { *last } else { *found };
+        }
+    }
+    rows
+}
+
+/// Working memory for one line: the parabolas of its lower envelope.
 struct Envelope {
-    values: Vec<f32>,
-    owners: Vec<u32>,
-    /// Where the parabolas of the envelope stand.
-    feet: Vec<usize>,
+    /// Where they stand, and how high above the line.
+    feet: Vec<(i32, i32)>,
     /// Where each takes over from the one before.
     starts: Vec<f32>,
 }
 
 impl Envelope {
     fn new(size: usize) -> Self {
-        Self { values: vec![0.0; size], owners: vec![0; size], feet: vec![0; size], starts: vec![0.0; size] }
+        Self { feet: Vec::with_capacity(size), starts: Vec::with_capacity(size) }
     }
 
-    /// Transforms the line that begins at `first` and goes on every `stride` pixels.
-    fn transform(&mut self, squares: &mut [f32], sources: &mut [u32], first: usize, stride: usize) {
-        let size = self.values.len();
-        for index in 0..size {
-            self.values[index] = squares[first + index * stride];
-            self.owners[index] = sources[first + index * stride];
+    /// The nearest pixels of a row whose columns have theirs in the rows `found`.
+    fn transform(&mut self, row: usize, found: &[u32], squares: &mut [f32], sources: &mut [u32]) {
+        self.build(row, found);
+        if self.feet.is_empty() {
+            return;
         }
-        let last = self.build();
         let mut part = 0;
-        for index in 0..size {
-            while part < last && self.starts[part + 1] < index as f32 {
+        for (index, (square, source)) in squares.iter_mut().zip(sources).enumerate() {
+            while part + 1 < self.feet.len() && self.starts[part + 1] < index as f32 {
                 part += 1;
             }
-            let foot = self.feet[part];
-            let along = index as f32 - foot as f32;
-            squares[first + index * stride] = along * along + self.values[foot];
-            sources[first + index * stride] = self.owners[foot];
+            let (foot, height) = self.feet[part];
+            let along = index as i32 - foot;
+            *square = (along * along + height) as f32;
+            *source = found[foot as usize] * found.len() as u32 + foot as u32;
         }
     }
 
-    /// Makes the lower envelope; returns the number of its last parabola.
-    fn build(&mut self) -> usize {
-        let mut last = 0;
-        self.feet[0] = 0;
-        self.starts[0] = f32::NEG_INFINITY;
-        for index in 1..self.values.len() {
-            let mut start = self.meeting(self.feet[last], index);
-            while last > 0 && start <= self.starts[last] {
-                last -= 1;
-                start = self.meeting(self.feet[last], index);
+    /// Makes the lower envelope.
+    fn build(&mut self, row: usize, found: &[u32]) {
+        self.feet.clear();
+        self.starts.clear();
+        for (index, _) in found.iter().enumerate().filter(|(_, found)| **found != NONE) {
+            let up = row as i32 - found[index] as i32;
+            let foot = (index as i32, up * up);
+            let mut start = f32::NEG_INFINITY;
+            while let (Some(&last), Some(&begun)) = (self.feet.last(), self.starts.last()) {
+                start = meeting(last, foot);
+                if self.feet.len() == 1 || start > begun {
+                    break;
+                }
+                self.feet.pop();
+                self.starts.pop();
             }
-            last += 1;
-            self.feet[last] = index;
-            self.starts[last] = start;
+            self.feet.push(foot);
+            self.starts.push(start);
         }
-        last
     }
+}
 
-    /// Where the parabola at `b` comes below that at `a`, for a < b. In f64: squares of far pixels swamp f32.
-    fn meeting(&self, a: usize, b: usize) -> f32 {
-        let value = |foot: usize| f64::from(self.values[foot]) + (foot * foot) as f64;
-        ((value(b) - value(a)) / (2.0 * (b - a) as f64)) as f32
-    }
+/// Where the parabola `b` comes below `a`, which stands before it. Whole numbers below 2^26 up to the quotient.
+fn meeting(a: (i32, i32), b: (i32, i32)) -> f32 {
+    let value = |(foot, height): (i32, i32)| height + foot * foot;
+    (value(b) - value(a)) as f32 / (2 * (b.0 - a.0)) as f32
 }
 
 #[cfg(test)]

@@ -3,11 +3,12 @@
 use super::appearance::{Appearance, Colour, Optics, colour_difference};
 use super::contents::{Contents, contents};
 use super::matching::{matched, seen};
-use super::palette::{Finish, Look, Palette, look};
+use super::palette::{Look, Palette, look_in};
 use super::pigment_field::Fields;
 use super::relief;
 use super::scan::Scan;
-use super::surface::{Surface, Tissue};
+use super::spectra_table::SpectraTable;
+use super::surface::{FAR, Surface, Tissue};
 use super::{Detail, Pigments, Settings, Table};
 use crate::base::blade::Blade;
 use crate::base::encoding::SrgbEncoder;
@@ -20,8 +21,8 @@ use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Pixels from the blade at which the background begins to fade to the mean colour, and at which it has.
-const FADE: (f32, f32) = (2.0, 14.0);
+/// Pixels from the blade at which the background begins to fade to the mean colour; at [`FAR`] it has.
+const FADED: f32 = 2.0;
 /// Contents among which those of a scan are sought: chlorophyll, anthocyanins, brown.
 const EVERY: [f32; 3] = [80.0, 40.0, 4.0];
 /// About as many places are looked at to match a texture's mean.
@@ -77,7 +78,8 @@ impl Canvas {
         if let Some(scan) = blade.scan.as_ref().and_then(|picture| Scan::new(picture, &surface)) {
             let optics = Optics::new(settings.table);
             let (state, pigments) = nearest(settings, &optics, &scan);
-            let palette = Palette::new(&optics, &pigments, EVERY, Finish { glossy: false, ..Finish::of(settings) });
+            let table = SpectraTable::new(&optics, pigments.structure, false);
+            let palette = Palette::new(&table, &pigments, EVERY, settings.painting.pallor as f32);
             scan.age(&palette, &mut surface.tissue);
             scans.entry(state).or_insert(scan);
         }
@@ -105,8 +107,9 @@ fn nearest(settings: &Settings, optics: &Optics, scan: &Scan) -> (String, Pigmen
 }
 
 /// What the textures of one state share.
-struct Ink {
+struct Ink<'a> {
     contents: Contents,
+    table: SpectraTable<'a>,
     /// The mean that its textures are matched to.
     mean: Look,
 }
@@ -127,18 +130,20 @@ pub fn paint(settings: &Settings, blade: &Blade, jobs: &[Job], seed: u64) -> (Ve
 pub fn paint_on(canvas: &Canvas, settings: &Settings, jobs: &[Job], seed: u64) -> (Vec<Painted>, Figures) {
     let optics = Optics::new(settings.table);
     let inks = inks(settings, &optics, jobs);
-    let painter = Painter { canvas, settings, optics: &optics, seed };
+    let painter = Painter { canvas, settings, seed };
     let painted = |job: &Job| painter.painted(&inks[&job.state], job);
     (jobs.par_iter().map(painted).collect(), figures(settings, &optics, &inks, jobs.len()))
 }
 
-fn inks(settings: &Settings, optics: &Optics, jobs: &[Job]) -> BTreeMap<String, Ink> {
+fn inks<'a>(settings: &Settings, optics: &'a Optics, jobs: &[Job]) -> BTreeMap<String, Ink<'a>> {
     let mut states: Vec<&String> = jobs.iter().map(|job| &job.state).collect();
     states.sort_unstable();
     states.dedup();
     let ink = |state: &&String| {
         let contents = contents(settings, optics, state);
-        ((*state).clone(), Ink { mean: look(optics, &contents.pigments, Finish::of(settings)), contents })
+        let table = SpectraTable::new(optics, contents.pigments.structure, settings.gloss);
+        let mean = look_in(&table, &contents.pigments, settings.painting.pallor as f32);
+        ((*state).clone(), Ink { mean, contents, table })
     };
     states.par_iter().map(ink).collect::<Vec<_>>().into_iter().collect()
 }
@@ -147,12 +152,11 @@ fn inks(settings: &Settings, optics: &Optics, jobs: &[Job]) -> BTreeMap<String, 
 struct Painter<'a> {
     canvas: &'a Canvas,
     settings: &'a Settings,
-    optics: &'a Optics,
     seed: u64,
 }
 
 impl Painter<'_> {
-    fn painted(&self, ink: &Ink, job: &Job) -> Painted {
+    fn painted(&self, ink: &Ink<'_>, job: &Job) -> Painted {
         if self.settings.detail == Detail::Plain {
             return self.finished(&ink.mean, |_| ink.mean);
         }
@@ -164,7 +168,8 @@ impl Painter<'_> {
         let Canvas { surface, matched: tissue, scans, .. } = self.canvas;
         let fields = Fields::new(surface, &self.settings.painting, pigments, *reference, &mut stream);
         let start = fields.amounts(pigments, *reference, tissue);
-        let palette = Palette::new(self.optics, pigments, fields.most(&start, pigments), Finish::of(self.settings));
+        let pallor = self.settings.painting.pallor as f32;
+        let palette = Palette::new(&ink.table, pigments, fields.most(&start, pigments), pallor);
         let found = matched(&fields, &palette, tissue, start, &ink.mean);
         let scan = scans.get(&job.state);
         let mut mean = ink.mean;
@@ -188,8 +193,8 @@ impl Painter<'_> {
     fn finished(&self, mean: &Look, look: impl Fn(usize) -> Look) -> Painted {
         let Canvas { surface, relief, encoder, .. } = self.canvas;
         let mean = mean.map(|channel| encoder.code(channel));
-        let count = surface.inside.len();
-        let mut sides = [(); 3].map(|()| vec![[0u8; 3]; count]);
+        let even = |side: usize| [mean[3 * side], mean[3 * side + 1], mean[3 * side + 2]];
+        let mut sides = [0, 1, 2].map(|side| vec![even(side); surface.inside.len()]);
         for (number, pixel) in surface.pixels().enumerate() {
             let look = look(number);
             for side in 0..3 {
@@ -199,23 +204,13 @@ impl Painter<'_> {
                 }
             }
         }
-        for (pixel, &(source, gap)) in surface.filler.iter().enumerate() {
-            if gap == 0.0 {
-                continue;
-            }
-            if gap >= FADE.1 {
-                for side in 0..3 {
-                    sides[side][pixel] = [mean[3 * side], mean[3 * side + 1], mean[3 * side + 2]];
-                }
-                continue;
-            }
-            let near = 1.0 - smooth_step(FADE.0, FADE.1, gap);
-            for (side, pixels) in sides.iter_mut().enumerate() {
-                let from = pixels[source as usize];
-                pixels[pixel] = std::array::from_fn(|c| {
-                    let far = f32::from(mean[3 * side + c]);
-                    (far + (f32::from(from[c]) - far) * near + 0.5) as u8
-                });
+        for &(pixel, source, gap) in &surface.filler {
+            let near = 1.0 - smooth_step(FADED, FAR, gap);
+            for pixels in &mut sides {
+                let (from, far) = (pixels[source as usize], pixels[pixel as usize]);
+                let faded =
+                    |c: usize| (f32::from(far[c]) + (f32::from(from[c]) - f32::from(far[c])) * near + 0.5) as u8;
+                pixels[pixel as usize] = [0, 1, 2].map(faded);
             }
         }
         let [reflected, transmitted, below] = sides;
@@ -223,7 +218,7 @@ impl Painter<'_> {
     }
 }
 
-fn figures(settings: &Settings, optics: &Optics, inks: &BTreeMap<String, Ink>, jobs: usize) -> Figures {
+fn figures(settings: &Settings, optics: &Optics, inks: &BTreeMap<String, Ink<'_>>, jobs: usize) -> Figures {
     let reference = Optics::new(Table::Fine);
     let (mut states, mut worst) = (Map::new(), 0.0f64);
     for (state, ink) in inks {
@@ -253,6 +248,7 @@ fn figures(settings: &Settings, optics: &Optics, inks: &BTreeMap<String, Ink>, j
 
 #[cfg(test)]
 mod tests {
+    use super::super::palette::{Finish, look};
     use super::super::surface::tests::blade;
     use super::*;
     use crate::base::maths::{linear_to_srgb8, srgb_to_linear};

@@ -1,8 +1,7 @@
 //! The colours of one state tabulated over chlorophyll, anthocyanins and brown pigment: painting looks them up by the million.
 
-use super::appearance::Optics;
+use super::Pigments;
 use super::spectra_table::SpectraTable;
-use super::{Pigments, Settings};
 
 /// Nodes along the three axes.
 const NODES: [usize; 3] = [17, 13, 10];
@@ -13,21 +12,6 @@ const BELOW: [f64; 2] = [0.45, 0.85];
 /// Linear sRGB of one place of a leaf, clipped to 0 and above: light reflected by the upper side, without surface gloss if it is glossy;
 /// light let through; light reflected by the lower side, likewise.
 pub(super) type Look = [f32; 9];
-
-/// What lies over the pigments.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Finish {
-    /// Whether a gloss lobe stands for the reflection of the surface, which is left out then.
-    pub glossy: bool,
-    /// Reflectance of the colourless layer on the lower side, 0..1.
-    pub pallor: f32,
-}
-
-impl Finish {
-    pub(super) fn of(settings: &Settings) -> Self {
-        Self { glossy: settings.gloss, pallor: settings.painting.pallor as f32 }
-    }
-}
 
 /// A node: a look and padding, so that lookups run in whole vectors.
 type Node = [f32; 12];
@@ -41,9 +25,9 @@ pub(super) struct Palette {
 }
 
 impl Palette {
-    /// Tabulates contents up to `most` (chlorophyll, anthocyanins, brown) beside a state's other contents.
-    pub(super) fn new(optics: &Optics, pigments: &Pigments, most: [f32; 3], finish: Finish) -> Self {
-        let table = SpectraTable::new(optics, pigments.structure, finish.glossy);
+    /// Tabulates contents up to `most` (chlorophyll, anthocyanins, brown) beside a state's other contents, whose structure the
+    /// table has, below a colourless layer of reflectance `pallor` on the lower side.
+    pub(super) fn new(table: &SpectraTable<'_>, pigments: &Pigments, most: [f32; 3], pallor: f32) -> Self {
         let content = |axis: usize, node: usize| {
             let part = node as f64 / (NODES[axis] - 1) as f64;
             f64::from(most[axis]) * part * part
@@ -58,7 +42,7 @@ impl Palette {
                 ..pigments.clone()
             };
             let mut padded = [0.0; 12];
-            padded[..9].copy_from_slice(&look_in(&table, &contents, finish.pallor));
+            padded[..9].copy_from_slice(&look_in(table, &contents, pallor));
             nodes.push(padded);
         }
         Self { scale: most.map(|m| 1.0 / m.max(1e-6)), nodes }
@@ -125,7 +109,8 @@ pub(super) fn below(x: f32) -> usize {
     (x - 0.5 + WHOLE).to_bits() as usize & 0x003f_ffff
 }
 
-fn look_in(table: &SpectraTable, pigments: &Pigments, pallor: f32) -> Look {
+/// The look of one set of contents, as a texture holds it.
+pub(super) fn look_in(table: &SpectraTable<'_>, pigments: &Pigments, pallor: f32) -> Look {
     let (upper, through) = table.colours(pigments);
     let below = Pigments {
         anthocyanins: pigments.anthocyanins * BELOW[0],
@@ -147,13 +132,32 @@ fn paled(reflected: f32, pallor: f32) -> f32 {
     pallor + through * through * reflected / (1.0 - pallor * reflected)
 }
 
-/// The look of one set of contents, as a texture holds it.
-pub(super) fn look(optics: &Optics, pigments: &Pigments, finish: Finish) -> Look {
+/// What lies over the pigments.
+#[cfg(test)]
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Finish {
+    /// Whether a gloss lobe stands for the reflection of the surface, which is left out then.
+    pub glossy: bool,
+    /// Reflectance of the colourless layer on the lower side, 0..1.
+    pub pallor: f32,
+}
+
+#[cfg(test)]
+impl Finish {
+    pub(super) fn of(settings: &super::Settings) -> Self {
+        Self { glossy: settings.gloss, pallor: settings.painting.pallor as f32 }
+    }
+}
+
+/// The look of one set of contents without a table at hand.
+#[cfg(test)]
+pub(super) fn look(optics: &super::appearance::Optics, pigments: &Pigments, finish: Finish) -> Look {
     look_in(&SpectraTable::new(optics, pigments.structure, finish.glossy), pigments, finish.pallor)
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::appearance::Optics;
     use super::super::{Table, colour_difference};
     use super::*;
     use crate::base::random::hash_unit;
@@ -177,8 +181,9 @@ mod tests {
             [(38.0, 3.6, 0.06), (5.0, 2.5, 0.1), (1.0, 11.0, 0.04), (0.5, 1.5, 1.3)]
         {
             let state = Pigments { chlorophyll, anthocyanins, brown, ..Pigments::default() };
-            let palette =
-                Palette::new(&optics, &state, [4.0 * chlorophyll as f32, 3.5 * anthocyanins as f32, 3.0], FINISH);
+            let table = SpectraTable::new(&optics, state.structure, FINISH.glossy);
+            let most = [4.0 * chlorophyll as f32, 3.5 * anthocyanins as f32, 3.0];
+            let palette = Palette::new(&table, &state, most, FINISH.pallor);
             let mut worst = 0.0f64;
             for draw in 0..60 {
                 let factor = |axis| f64::from(hash_unit(draw, axis)) * 2.0;

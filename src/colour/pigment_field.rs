@@ -38,6 +38,23 @@ struct Share {
     light: f32,
 }
 
+impl Share {
+    /// A share with a part of another.
+    #[inline]
+    fn mixed(&self, other: &Self, part: f32) -> Self {
+        Self {
+            lead: mix(self.lead, other.lead, part),
+            redness: mix(self.redness, other.redness, part),
+            dry: mix(self.dry, other.dry, part),
+            brown: mix(self.brown, other.brown, part),
+            dead: mix(self.dead, other.dead, part),
+            tint: mix(self.tint, other.tint, part),
+            mottle: mix(self.mottle, other.mottle, part),
+            light: mix(self.light, other.light, part),
+        }
+    }
+}
+
 /// The amounts by which the fields are scaled: found so that a texture's mean has its state's colour.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Amounts {
@@ -83,6 +100,8 @@ pub(super) struct Fields<'a> {
     front: Vec<f32>,
     /// Share of its anthocyanin that tissue beside a vein lacks.
     paling: f32,
+    /// Share of the brown pigment of living tissue that a vein lacks, and a veinlet.
+    bare: [f32; 2],
 }
 
 impl<'a> Fields<'a> {
@@ -102,10 +121,11 @@ impl<'a> Fields<'a> {
             painting,
             faded,
             dead,
-            width: painting.softness as f32 * mix(0.45, 0.15, smooth_step(0.2, 0.55, faded)),
+            // What little green a dead leaf has left lies nowhere in particular.
+            width: painting.softness as f32 * mix(0.45, 0.15, smooth_step(0.2, 0.55, faded)) * (1.0 + 6.0 * dead),
             // A red or a dead leaf keeps little green at its veins.
             hold: painting.hold as f32
-                * (1.0 - 0.7 * dead)
+                * (1.0 - 0.9 * dead)
                 * (1.0 - 0.6 * smooth_step(4.0, 12.0, pigments.anthocyanins as f32)),
             pale: 0.05 + 0.45 * (1.0 - faded) * (1.0 - faded) * (1.0 - faded),
             per_fifth: 5.0 / surface.millimetre,
@@ -113,6 +133,7 @@ impl<'a> Fields<'a> {
             front: (0..=ENTRIES).map(logistic).collect(),
             vein_paling: 0.5 * (1.0 - dead),
             paling: mix(0.25, 0.5, faded),
+            bare: [mix(0.3, 0.62, dead), mix(0.0, 0.3, dead)],
         };
         let salt = stream.bits();
         let clouds = Clouds::new(salt);
@@ -166,10 +187,12 @@ impl<'a> Fields<'a> {
     #[inline]
     pub(super) fn at(&self, tissue: &Tissue, amounts: &Amounts) -> Sample {
         let share = &self.shares[tissue.areole as usize];
+        let share =
+            if tissue.beyond > 0.0 { share.mixed(&self.shares[tissue.next as usize], tissue.beyond) } else { *share };
         let lead = share.lead + tissue.lead + 0.22 * tissue.grain
             - self.hold * (0.5 * tissue.supply + 0.3 * tissue.vein + 0.12 * tissue.veinlet);
         // The front of what dried up at the margin: ragged, darkest where it came to rest.
-        let inward = share.dry * (1.0 + 0.5 * tissue.grain) - tissue.margin;
+        let inward = share.dry * (1.0 + 0.2 * tissue.grain) - tissue.margin;
         let scorch = (inward * self.per_fifth).clamp(0.0, 1.0);
         let rest = (1.0 - 0.2 * inward * self.per_fifth).clamp(0.0, 1.0);
         let dead = share.dead.max(scorch);
@@ -189,7 +212,9 @@ impl<'a> Fields<'a> {
             * (1.0 - self.vein_paling * tissue.vein)
             * (1.0 - 0.22 * tissue.veinlet)
             * (1.0 - 0.7 * dead);
-        let brown = amounts.brown * share.tint * (1.0 + 0.3 * tissue.grain) * (1.0 - 0.3 * tissue.vein)
+        // Veins hold less of the brown, most of all in a dead leaf, where all of them show as pale lines.
+        let bare = (1.0 - self.bare[0] * tissue.vein) * (1.0 - self.bare[1] * tissue.veinlet);
+        let brown = amounts.brown * share.tint * (1.0 + 0.3 * tissue.grain) * bare
             + (share.brown.max(scorch * (0.9 + 1.5 * rest) * self.fresh_death) + tissue.brown)
                 * (1.0 - 0.3 * tissue.vein);
         let bright = tissue.vein * mix(0.24, 0.10, self.faded) * (1.0 - self.dead) + tissue.veinlet * 0.05;
@@ -396,7 +421,8 @@ mod tests {
             .filter_map(|((tissue, samples), numbers)| (numbers[1] == numbers[0] + 1).then_some((tissue, samples)))
         {
             let change = (contents[1].contents[0] - contents[0].contents[0]).abs();
-            let side = if pair[0].areole == pair[1].areole { &mut within } else { &mut across };
+            let borders = pair[0].areole != pair[1].areole || pair.iter().any(|tissue| tissue.beyond > 0.0);
+            let side = if borders { &mut across } else { &mut within };
             *side = (side.0 + change, side.1 + 1);
         }
         let mean = |(sum, count): (f32, usize)| sum / count as f32;

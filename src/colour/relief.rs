@@ -13,7 +13,10 @@ const BULGE: f32 = 0.02;
 /// -1 (0) to 1 (255). `strength` scales the heights.
 pub(super) fn normals(surface: &Surface, strength: f32) -> Vec<[u8; 3]> {
     let size = surface.size;
-    let heights: Vec<f32> = (0..size * size).map(|pixel| strength * height(surface, pixel)).collect();
+    let mut heights = vec![0.0f32; size * size];
+    for (pixel, &veinlet) in surface.pixels().zip(&surface.veinlets) {
+        heights[pixel] = strength * height(surface, pixel, veinlet);
+    }
     let at = |x: usize, y: usize| heights[y.min(size - 1) * size + x.min(size - 1)];
     let texel = 1.0 / (size as f32 * surface.millimetre);
     let normal = |pixel: usize| {
@@ -29,17 +32,13 @@ pub(super) fn normals(surface: &Surface, strength: f32) -> Vec<[u8; 3]> {
     (0..size * size).map(normal).collect()
 }
 
-/// Height above the blade's plane, millimetres.
-fn height(surface: &Surface, pixel: usize) -> f32 {
-    if !surface.inside[pixel] {
-        return 0.0;
-    }
+/// Height above the blade's plane, millimetres, of a pixel inside, so far from a veinlet.
+fn height(surface: &Surface, pixel: usize, veinlet: f32) -> f32 {
     let mut groove = 0.0f32;
     for (order, (depth, half)) in GROOVES.into_iter().enumerate() {
         let near = 1.0 - (surface.veins[order][pixel].max(0.0) / (half * surface.millimetre)).min(1.0);
         groove = groove.max(depth * near * near * (3.0 - 2.0 * near));
     }
-    let spot = surface.net.at(surface.place(pixel));
-    let swell = (spot.veinlet / (0.35 * surface.net.width)).min(1.0);
+    let swell = (veinlet / (0.35 * surface.net.width)).min(1.0);
     BULGE * (2.0 - swell) * swell - groove
 }

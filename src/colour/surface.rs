@@ -11,20 +11,29 @@ use crate::base::random::hash_unit;
 use crate::base::vector::{DVec2, Vec2};
 use tiny_skia::{FillRule, Mask, PathBuilder, Transform};
 
+/// Pixels from the blade beyond which nothing of its rim is seen.
+pub(super) const FAR: f32 = 14.0;
 /// Orders of veins told apart.
 pub(super) const ORDERS: usize = 3;
 /// How far a vein of each order makes itself felt.
 const REACH: [f32; ORDERS] = [0.075, 0.045, 0.02];
-/// How far from a vein of each order its tissue stays supplied, texture widths, and by how much.
-const SUPPLY: [(f32, f32); ORDERS] = [(0.019, 1.0), (0.011, 0.8), (0.005, 0.45)];
+/// How steeply the supply of tissue falls beside a vein of each order, a texture width, and the logarithm of what it is there:
+/// 1, 0.8 and 0.36.
+const SUPPLY: [(f32, f32); ORDERS] = [(1.0 / 0.019, 0.0), (1.0 / 0.011, -0.223), (1.0 / 0.0045, -1.02)];
 /// Widths of the veinlets that bound a patch and of those within it, millimetres.
 const VEINLETS: [f64; 2] = [0.15, 0.07];
+
+/// Half width of the border between two areoles, millimetres.
+const SOFT: f32 = 0.05;
 
 /// What never changes at one place of a blade, whatever its state.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tissue {
-    /// Number of its areole.
+    /// Number of its areole, of the one beyond the nearest veinlet, and the part of the latter in what the place is like, 0 to
+    /// 0.5: half way at the veinlet itself.
     pub areole: u32,
+    pub next: u32,
+    pub beyond: f32,
     /// Distance from the margin.
     pub margin: f32,
     /// 1 on a vein, falling to 0 in the tissue between.
@@ -52,21 +61,25 @@ pub(super) struct Tissue {
 pub(super) struct Surface {
     /// Pixels along one side.
     pub size: usize,
-    /// Whether the pixel's middle lies in the blade.
+    /// Whether the pixel's middle lies in the blade, and the numbers of the pixels for which it does.
     pub inside: Vec<bool>,
+    numbers: Vec<u32>,
     /// Distance from the margin, for pixels inside.
     pub margin: Vec<f32>,
     /// For each order, the distance from the edge of the nearest vein of that order (negative inside the vein), at most its
     /// reach.
     pub veins: [Vec<f32>; ORDERS],
-    /// The nearest pixel inside (itself for those inside), and its distance in pixels.
-    pub filler: Vec<(u32, f32)>,
+    /// The pixels outside that are near enough to show the blade's rim: the pixel, the nearest one inside, and its distance in
+    /// pixels, above 0 and below [`FAR`].
+    pub filler: Vec<(u32, u32, f32)>,
     /// The net of veinlets.
     pub net: Net,
     /// Which areoles have a pixel inside.
     pub used: Vec<bool>,
     /// The tissue of each pixel inside, in their order.
     pub tissue: Vec<Tissue>,
+    /// Distance to the nearest veinlet of each pixel inside, in their order.
+    pub veinlets: Vec<f32>,
     /// Texture widths in a millimetre.
     pub millimetre: f32,
 }
@@ -93,21 +106,26 @@ impl Surface {
             size,
             margin: squares.iter().map(|square| (square.sqrt() - 0.5).clamp(0.0, size as f32) / size as f32).collect(),
             veins,
-            filler: sources.into_iter().zip(gaps.iter().map(|gap| gap.sqrt())).collect(),
+            filler: filler(&gaps, &sources),
+            numbers: (0..inside.len() as u32).filter(|&pixel| inside[pixel as usize]).collect(),
             inside,
             used: vec![false; net.areoles.len()],
             net,
             tissue: Vec::new(),
+            veinlets: Vec::new(),
             millimetre: (scale * 1e-3) as f32,
         };
-        surface.tissue = surface.pixels().map(|pixel| surface.tissue_at(pixel)).collect();
-        surface.tissue.iter().for_each(|tissue| surface.used[tissue.areole as usize] = true);
+        (surface.tissue, surface.veinlets) = surface.pixels().map(|pixel| surface.tissue_at(pixel)).unzip();
+        for tissue in &surface.tissue {
+            surface.used[tissue.areole as usize] = true;
+            surface.used[tissue.next as usize] = true;
+        }
         surface
     }
 
     /// Numbers of the pixels inside, in order.
     pub(super) fn pixels(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.inside.len()).filter(|&pixel| self.inside[pixel])
+        self.numbers.iter().map(|&pixel| pixel as usize)
     }
 
     /// The middle of a pixel in texture coordinates.
@@ -123,8 +141,10 @@ impl Surface {
         (self.margin[pixel], self.supply(std::array::from_fn(|order| self.veins[order][pixel])))
     }
 
+    /// 1 on a main vein, falling with the distance from veins of all orders: the largest of what each supplies.
     fn supply(&self, edges: [f32; ORDERS]) -> f32 {
-        (0..ORDERS).map(|o| SUPPLY[o].1 * expf(-edges[o].max(0.0) / SUPPLY[o].0)).fold(0.0, f32::max)
+        // The largest of several exponentials is that of the largest exponent.
+        expf((0..ORDERS).map(|o| SUPPLY[o].1 - edges[o].max(0.0) * SUPPLY[o].0).fold(-30.0, f32::max))
     }
 
     /// The share of a pixel that a line of a half width covers at a distance from its edge.
@@ -134,7 +154,8 @@ impl Surface {
         (0.5 - edge * size).clamp(0.0, 1.0) * (2.0 * half * size).min(1.0)
     }
 
-    fn tissue_at(&self, pixel: usize) -> Tissue {
+    /// The tissue of a pixel, and its distance from the nearest veinlet.
+    fn tissue_at(&self, pixel: usize) -> (Tissue, f32) {
         let edges: [f32; ORDERS] = std::array::from_fn(|order| self.veins[order][pixel]);
         let spot = self.net.at(self.place(pixel));
         let half = 0.5 * VEINLETS[usize::from(!spot.strong)] as f32 * self.millimetre;
@@ -142,7 +163,7 @@ impl Surface {
         let [main, second, third] = std::array::from_fn(|o| self.covered(edges[o], 1.0));
         let supply = self.supply(edges);
         // Tissue beside the larger veins lies in their shade.
-        let crease = expf(-edges[0].max(0.0) / 0.006).max(0.6 * expf(-edges[1].max(0.0) / 0.004));
+        let crease = expf((-edges[0].max(0.0) / 0.006).max(-0.51 - edges[1].max(0.0) / 0.004));
         let place = self.place(pixel) * (1.0 / self.millimetre);
         let fleck = Lattice::new(7).value(place.x / 0.28, place.y / 0.28) - 0.5;
         let grain = 0.7 * fleck + 0.5 * (hash_unit(8, pixel as u64) - 0.5);
@@ -151,9 +172,13 @@ impl Surface {
         // Round, and so palest along its middle.
         let main = main * (0.65 + 0.35 * (-edges[0] / (0.22 * self.millimetre)).clamp(0.0, 1.0));
         let square = supply * supply;
+        // What an areole holds runs into the next over a pixel or a tenth of a millimetre.
+        let soft = 1.0 / (0.5 / self.size as f32).max(SOFT * self.millimetre);
         let vein = main.max(0.85 * second).max(0.45 * third);
-        Tissue {
+        let tissue = Tissue {
             areole: spot.areole,
+            next: spot.next,
+            beyond: (0.5 - 0.5 * spot.veinlet * soft).max(0.0),
             margin: self.margin[pixel],
             supply,
             beside: square * square * square,
@@ -165,8 +190,16 @@ impl Surface {
             lead: 0.0,
             redness: 1.0,
             brown: 0.0,
-        }
+        };
+        (tissue, spot.veinlet)
     }
+}
+
+/// The pixels outside and near, by the squared distances from the blade and its nearest pixels.
+fn filler(squares: &[f32], sources: &[u32]) -> Vec<(u32, u32, f32)> {
+    let near =
+        squares.iter().zip(sources).enumerate().filter(|(_, (square, _))| **square > 0.0 && **square < FAR * FAR);
+    near.map(|(pixel, (square, source))| (pixel as u32, *source, square.sqrt())).collect()
 }
 
 /// Pixels whose middle lies within the outline, where lobes overlap too, and in none of the gaps.
@@ -230,26 +263,39 @@ impl Segment {
         Self { a, along: b - a, halves }
     }
 
-    /// Distance from the edge.
-    fn distance(&self, point: Vec2) -> f32 {
-        let from = point - self.a;
-        let part = (from.dot(&self.along) / self.along.norm_squared().max(1e-12)).clamp(0.0, 1.0);
-        (from - self.along * part).norm() - (self.halves[0] + (self.halves[1] - self.halves[0]) * part)
-    }
-
-    /// Lowers the distances of all pixels within reach.
+    /// Lowers the distances of all pixels within reach: from the edge, negative inside.
     fn stamp(&self, distances: &mut [f32], size: usize, reach: f32) {
-        let b = self.a + self.along;
-        let reach = reach + self.halves[0].max(self.halves[1]);
+        let (a, along, [half, last]) = (self.a, self.along, self.halves);
+        let (b, wider) = (a + along, last - half);
+        let reach = reach + half.max(last);
+        let texel = 1.0 / size as f32;
+        let per_square = 1.0 / along.norm_squared().max(1e-12);
         let pixel = |value: f32| (value * size as f32).clamp(0.0, size as f32) as usize;
-        let columns = pixel(self.a.x.min(b.x) - reach)..pixel(self.a.x.max(b.x) + reach + 1.0 / size as f32);
-        for row in pixel(self.a.y.min(b.y) - reach)..pixel(self.a.y.max(b.y) + reach + 1.0 / size as f32) {
-            for column in columns.clone() {
-                let point = Vec2::new((column as f32 + 0.5) / size as f32, (row as f32 + 0.5) / size as f32);
-                let place = row * size + column;
-                distances[place] = distances[place].min(self.distance(point));
+        for row in pixel(a.y.min(b.y) - reach)..pixel(a.y.max(b.y) + reach + texel) {
+            let up = (row as f32 + 0.5) * texel - a.y;
+            let [from, to] = self.span(up, reach);
+            let columns = pixel(from)..pixel(to + texel);
+            let first = (columns.start as f32 + 0.5) * texel - a.x;
+            let line = &mut distances[row * size..][columns];
+            for (number, distance) in line.iter_mut().enumerate() {
+                let right = first + number as i32 as f32 * texel;
+                let part = ((right * along.x + up * along.y) * per_square).clamp(0.0, 1.0);
+                let (x, y) = (right - along.x * part, up - along.y * part);
+                let found = (x * x + y * y).sqrt() - (half + wider * part);
+                *distance = if found < *distance { found } else { *distance };
             }
         }
+    }
+
+    /// From where to where a row may lie within `reach`, the row being `up` below the segment's start.
+    fn span(&self, up: f32, reach: f32) -> [f32; 2] {
+        let ends = if self.along.y.abs() < 1e-6 {
+            [0.0, 1.0]
+        } else {
+            [up - reach, up + reach].map(|y| (y / self.along.y).clamp(0.0, 1.0))
+        };
+        let [c, d] = ends.map(|part| self.a.x + self.along.x * part);
+        [c.min(d) - reach, c.max(d) + reach]
     }
 }
 

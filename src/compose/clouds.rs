@@ -56,7 +56,7 @@ mod tests {
         // Where density grows to the right, the sun from the left shines on it.
         let mut sums = [0i64; 2];
         for (index, pixel) in from_left.pixels.iter().enumerate().filter(|(index, _)| index % SIZE + 8 < SIZE) {
-            if from_left.pixels[index + 8][0] > pixel[0] + 12 {
+            if from_left.pixels[index + 8][0].saturating_sub(pixel[0]) > 12 {
                 sums[0] += i64::from(pixel[1]);
                 sums[1] += i64::from(from_right.pixels[index][1]);
             }

@@ -4,16 +4,18 @@ use super::stand::{Form, Pose};
 use super::{Garment, Stand, variant};
 use crate::base::maths::hypot;
 use crate::base::vector::{DVec2, DVec3};
-use crate::fall::{self, Counts, Fallen, Fate, Flight, Ground, Trunk, Wind};
+use crate::fall::{self, Counts, Course, Fallen, Fate, Flight, Ground, Trunk, Wind};
 use crate::scene::{Scene, Species, Standing};
 use crate::tree::LeafSite;
 use rayon::prelude::*;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Wood below this height is a trunk's foot, metres.
 const FOOT: f64 = 0.08;
 /// Largest radius of a trunk's foot, metres: wider ones are boughs that touch the ground.
 const LARGEST_FOOT: f64 = 0.8;
+/// Most leaves whose ways are remembered, of some 300 bytes each: what falls beyond them is computed for each frame.
+const MOST_KNOWN: usize = 250_000;
 
 /// A leaf that its twig has let go: one for every fall, also of earlier years.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,10 +54,12 @@ pub struct Fall {
     pub leaf: Fallen,
     /// Its way down.
     pub flight: Flight,
+    /// How far it moves aside on all of its way, along x and z, metres.
+    pub aside: DVec2,
+    /// What becomes of it, and when.
+    pub course: Course,
     /// What has become of it.
     pub fate: Fate,
-    /// When it landed or will land, days.
-    pub landed: f64,
 }
 
 impl Fall {
@@ -72,6 +76,74 @@ impl Fall {
     }
 }
 
+/// The ways of leaves that have fallen, from frame to frame: a way follows from the leaf alone, so it is found once in a run.
+#[derive(Clone, Debug, Default)]
+pub struct Ways {
+    known: BTreeMap<(usize, u64), (Dropped, Fall)>,
+    /// Ways found so far, each time that one was.
+    pub found: u64,
+}
+
+impl Ways {
+    /// The ways of these leaves; their fates are those of the twig.
+    fn of(&mut self, finder: &Finder<'_>, dropped: &[Dropped]) -> Vec<Fall> {
+        let key = |one: &Dropped| (one.site, one.year);
+        let known = |one: &Dropped| self.known.get(&key(one)).filter(|(of, _)| of == one).map(|(_, fall)| *fall);
+        let before: Vec<Option<Fall>> = dropped.par_iter().map(known).collect();
+        let pairs = dropped.par_iter().zip(before);
+        let all: Vec<(Option<Fall>, bool)> = pairs
+            .map(|(one, before)| match before {
+                Some(fall) => (Some(fall), false),
+                None => (finder.find(one), true),
+            })
+            .collect();
+        for (one, (fall, _)) in dropped.iter().zip(&all).filter(|(_, (_, is_new))| *is_new) {
+            self.found += 1;
+            if let Some(fall) = fall.filter(|_| self.known.len() < MOST_KNOWN) {
+                self.known.insert(key(one), (*one, fall));
+            }
+        }
+        all.into_iter().filter_map(|(fall, _)| fall).collect()
+    }
+}
+
+/// What finds the way of a leaf.
+struct Finder<'a> {
+    scene: &'a Scene,
+    stand: &'a Stand,
+    sites: Sites<'a>,
+    wind: Wind,
+    decays: Vec<fall::Decay>,
+    /// Mass over area by species and state, g/m2.
+    masses: Vec<Vec<f64>>,
+}
+
+impl<'a> Finder<'a> {
+    fn new(scene: &'a Scene, stand: &'a Stand, names: &[String]) -> Self {
+        let decays = scene.species.iter().map(|one| scene.fall.decay(&one.fall)).collect();
+        let masses =
+            scene.species.iter().map(|one| names.iter().map(|state| mass_per_area(one, state)).collect()).collect();
+        Self { scene, stand, sites: Sites::new(stand), wind: Wind::new(&scene.fall, scene.seed), decays, masses }
+    }
+
+    fn find(&self, dropped: &Dropped) -> Option<Fall> {
+        let scene = self.scene;
+        let (form, pose, site) = self.sites.at(dropped.site)?;
+        let species = &scene.species[form.species];
+        let mass_per_area = *self.masses[form.species].get(usize::from(dropped.state))?;
+        let id = self.stand.leaf_ids[dropped.site];
+        let twig = pose.point(site.base);
+        let length = species.leaf.length * 1e-3 * site.scale;
+        let leaf = Fallen { leaf: id, year: dropped.year, day: dropped.day, twig, mass_per_area, length };
+        let flight = Flight::new(&leaf, scene.seed, 0.0);
+        let aside = flight.aside(&self.wind, flight.seconds);
+        let course = Course::new(&scene.fall, &self.decays[form.species], scene.seed, &leaf, &flight);
+        let variant = variant(scene.seed, id, species.variants());
+        let garment = Garment { species: form.species as u16, state: dropped.state, variant };
+        Some(Fall { site: dropped.site, garment, leaf, flight, aside, course, fate: Fate::Hanging })
+    }
+}
+
 /// All fallen leaves at a time.
 #[derive(Clone, Debug, Default)]
 pub struct Falls {
@@ -82,28 +154,18 @@ pub struct Falls {
 }
 
 impl Falls {
-    /// What has become on `day` of the leaves that fell; `attached` others hang.
+    /// What has become on `day` of the leaves that fell; `attached` others hang. `ways` are those of earlier frames of the same
+    /// scene, and are added to.
     #[must_use]
-    pub fn new(scene: &Scene, stand: &Stand, names: &[String], dropped: &[Dropped], attached: u64, day: f64) -> Self {
-        let sites = Sites::new(stand);
-        let decays: Vec<fall::Decay> = scene.species.iter().map(|one| scene.fall.decay(&one.fall)).collect();
-        let masses: Vec<Vec<f64>> =
-            scene.species.iter().map(|one| names.iter().map(|state| mass_per_area(one, state)).collect()).collect();
-        let of = |dropped: &Dropped| {
-            let (form, pose, site) = sites.at(dropped.site)?;
-            let species = &scene.species[form.species];
-            let mass_per_area = *masses[form.species].get(usize::from(dropped.state))?;
-            let id = stand.leaf_ids[dropped.site];
-            let twig = pose.point(site.base);
-            let length = species.leaf.length * 1e-3 * site.scale;
-            let leaf = Fallen { leaf: id, year: dropped.year, day: dropped.day, twig, mass_per_area, length };
-            let flight = Flight::new(&leaf, scene.seed, 0.0);
-            let (fate, landed) = fall::fate(&scene.fall, &decays[form.species], scene.seed, &leaf, &flight, day);
-            let variant = variant(scene.seed, id, species.variants());
-            let garment = Garment { species: form.species as u16, state: dropped.state, variant };
-            Some(Fall { site: dropped.site, garment, leaf, flight, fate, landed })
-        };
-        let mut all: Vec<Fall> = dropped.par_iter().filter_map(of).collect();
+    pub fn new(
+        (scene, stand, names): (&Scene, &Stand, &[String]),
+        dropped: &[Dropped],
+        attached: u64,
+        day: f64,
+        ways: &mut Ways,
+    ) -> Self {
+        let mut all = ways.of(&Finder::new(scene, stand, names), dropped);
+        all.par_iter_mut().for_each(|fall| fall.fate = fall.course.fate(&scene.fall, &fall.leaf, &fall.flight, day));
         let raked = rake(scene, stand, &mut all);
         let count = |is: &dyn Fn(Fate) -> bool| all.iter().filter(|fall| is(fall.fate)).count() as u64;
         let counts = Counts {
@@ -130,11 +192,10 @@ fn rake(scene: &Scene, stand: &Stand, all: &mut [Fall]) -> u64 {
     if scene.fall.raked <= 0.0 {
         return 0;
     }
-    let (ground, wind) = (ground(stand), Wind::new(&scene.fall, scene.seed));
+    let ground = ground(stand);
     let raked = |fall: &mut Fall| {
         let below = DVec2::new(fall.leaf.twig.x, fall.leaf.twig.z);
-        let landed = below + fall.flight.aside(&wind, fall.flight.seconds);
-        let rest = ground.rest(scene.seed, scene.fall.wind, landed);
+        let rest = ground.rest(scene.seed, scene.fall.wind, below + fall.aside);
         let is_raked = fall.fate.lies() && ground.is_raked(rest, scene.fall.raked);
         if is_raked {
             fall.fate = Fate::Decayed;

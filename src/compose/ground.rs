@@ -54,7 +54,7 @@ fn draw_blade(linear: &mut [[f32; 3]], droughts: &Fractal, seed: u64, number: u6
     let angle = random.range(0.0, TAU);
     let length = random.range(8.0, 26.0);
     let (u, v) = (x as f32 / SIZE as f32, y as f32 / SIZE as f32);
-    let dry = droughts.at(u, v) * 0.8 - 0.32 + 0.35 * random.uniform() as f32;
+    let dry = droughts.at(u, v) * 0.8 - 0.46 + 0.35 * random.uniform() as f32;
     let shade = random.range(0.55, 1.25) as f32;
     let green = [0.078, 0.142, 0.028];
     let straw = [0.26, 0.22, 0.085];

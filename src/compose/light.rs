@@ -39,7 +39,7 @@ pub(super) fn lighting(settings: &scene::Light, view: DVec3, clouds: Option<u32>
     let diffuse = daylight::level(&thinned, elevation);
     let sine = direction.y.max(0.0);
     let level: [f64; 3] =
-        std::array::from_fn(|k| irradiance[k] * sine + diffuse[k] + cover * overcast[k] * PI * 7.0 / 9.0);
+        std::array::from_fn(|k| irradiance[k] * met(sine) + diffuse[k] + cover * overcast[k] * PI * 7.0 / 9.0);
     let level = daylight::luminance(level);
     let sky = Sky {
         zenith: overcast.map(|r| (r * cover) as f32),
@@ -61,6 +61,12 @@ pub(super) fn lighting(settings: &scene::Light, view: DVec3, clouds: Option<u32>
         sky,
         exposure: exposure(settings, level) as f32,
     }
+}
+
+/// The share of a beam that a light meter's dome reads: what is level, and a share of what stands upright, as trees do, scaled
+/// so that the two agree at 40 degrees. A low sun would burn out what faces it otherwise.
+fn met(sine: f64) -> f64 {
+    if sine > 0.0 { (sine + 0.7 * (1.0 - sine * sine).sqrt()) / 1.834 } else { 0.0 }
 }
 
 /// The factor on radiance: as an incident meter reads this level irradiance, or as the scene sets the exposure value.

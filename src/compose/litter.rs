@@ -20,9 +20,9 @@ pub const BROWN: &str = "brown";
 /// Angle of a lying petiole to its blade, radians.
 const LYING_BEND: f64 = 0.06;
 /// How much of its height a flat leaf keeps.
-const FLATTENED: f32 = 0.3;
+const FLATTENED: f32 = 0.2;
 /// Reflectance of a flat leaf over that of a brown one: wet, bleached and bitten (judged).
-const DARKER: [f32; 3] = [0.66, 0.60, 0.56];
+const DARKER: [f32; 3] = [0.58, 0.51, 0.46];
 /// How far above its rest on bare ground a flight ends, metres: what lies there has to be cleared.
 const ARRIVAL: f64 = 0.01;
 
@@ -34,9 +34,17 @@ pub(super) struct Stalks {
     pub material: Option<u32>,
 }
 
-/// A model of fallen leaves, with the number of its shape.
+/// A model of fallen leaves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lying {
+    as_fell: Worn,
+    /// Where other leaves lie over it.
+    pressed: Worn,
+}
+
+/// A model with the number of its shape.
+#[derive(Clone, Copy, Debug)]
+struct Worn {
     model: u32,
     shape: u32,
 }
@@ -73,12 +81,34 @@ impl Stock {
                         self.models.len() as u32 - 1
                     }
                 };
-                let stalk =
-                    Stalk { hung: petiole::base(length, stalks.bend), lying: petiole::base(length, LYING_BEND) };
-                self.lying.insert((garment, petiole, look), Lying { model, shape: self.resting.len() as u32 });
-                self.resting.push((mesh.clone(), stalk));
+                let ends = Stalk { hung: petiole::base(length, stalks.bend), lying: petiole::base(length, LYING_BEND) };
+                let as_fell = Worn { model, shape: self.resting(&mesh, ends) };
+                let pressed = match look {
+                    Look::Fresh | Look::Brown => self.pressed((garment, shape), petiole, material),
+                    Look::Hung | Look::Flat => as_fell,
+                };
+                self.lying.insert((garment, petiole, look), Lying { as_fell, pressed });
             }
         }
+    }
+
+    /// The model of a leaf under others: flat, and without the petiole, which is not seen.
+    fn pressed(&mut self, (garment, shape): (Garment, &Arc<Mesh>), petiole: Petiole, material: u32) -> Worn {
+        let (blade, mesh) = self.flat(garment, shape);
+        let name = &self.materials[material as usize].name;
+        let name = format!("fallen_{name}_{}_{}{}_pressed", garment.state, garment.variant, petiole.suffix());
+        self.models.push(Model { name, parts: vec![Part { mesh: blade, material }] });
+        Worn { model: self.models.len() as u32 - 1, shape: self.resting(&mesh, Stalk::default()) }
+    }
+
+    /// The number of the shape of a mesh with a petiole.
+    fn resting(&mut self, mesh: &Arc<Mesh>, stalk: Stalk) -> u32 {
+        let same = |(known, of, _): &(Arc<Mesh>, Stalk, Shape)| Arc::ptr_eq(known, mesh) && *of == stalk;
+        if let Some(known) = self.resting.iter().position(same) {
+            return known as u32;
+        }
+        self.resting.push((mesh.clone(), stalk, Shape::new(mesh, stalk)));
+        self.resting.len() as u32 - 1
     }
 
     /// The flattened mesh of a shape.
@@ -143,7 +173,6 @@ impl Stock {
             sites: Sites::new(stand),
             ground: ground(stand),
             wind: Wind::new(&scene.fall, scene.seed),
-            shapes: self.resting.par_iter().map(|(mesh, stalk)| Shape::new(mesh, *stalk)).collect(),
         };
         let mut fallen = strewer.instances(stand, falls);
         let mut frame = frame;
@@ -170,14 +199,12 @@ struct Strewer<'a> {
     sites: Sites<'a>,
     ground: Ground,
     wind: Wind,
-    shapes: Vec<Shape>,
 }
 
 /// A fallen leaf on its way.
 #[derive(Clone, Copy)]
 struct Way {
-    model: u32,
-    shape: u32,
+    lying: Lying,
     scale: f64,
     side: Side,
     yaw: f64,
@@ -195,16 +222,19 @@ impl Strewer<'_> {
         let on_the_way = || falls.seen.iter().zip(&ways).filter_map(|(fall, way)| Some((fall, (*way)?)));
         let lying = || on_the_way().filter(|(fall, _)| fall.fate.lies());
         let landed: Vec<Landed> = lying().map(|(fall, way)| landed(fall, &way)).collect();
-        let laid = fall::settle(&self.ground, &self.shapes, &landed);
+        let shapes: Vec<&Shape> = self.stock.resting.iter().map(|(.., shape)| shape).collect();
+        let laid = fall::settle(&self.ground, &shapes, &landed);
         let flying = on_the_way().filter(|(fall, _)| !fall.fate.lies());
-        let flying = flying.map(|(fall, way)| self.instance(stand, fall, &way, self.flying(fall, &way)));
+        let flying =
+            flying.map(|(fall, way)| self.instance(stand, fall, &way, (way.lying.as_fell, self.flying(fall, &way))));
         // what others hide is not drawn
         let lying = lying().zip(&laid).filter(|(_, laid)| !laid.is_buried).map(|((fall, way), laid)| {
             let at = match fall.fate {
                 Fate::Fresh(share) if share < 1.0 => self.settling(&way, share, (laid.middle, laid.attitude)),
                 _ => (laid.middle, laid.attitude),
             };
-            self.instance(stand, fall, &way, at)
+            let worn = if laid.is_pressed { way.lying.pressed } else { way.lying.as_fell };
+            self.instance(stand, fall, &way, (worn, at))
         });
         flying.chain(lying).collect()
     }
@@ -213,21 +243,25 @@ impl Strewer<'_> {
     fn way(&self, fall: &Fall) -> Option<Way> {
         let (form, pose, site) = self.sites.at(fall.site)?;
         let petiole = Petiole::of(site);
-        let &Lying { model, shape } = self.stock.lying.get(&(fall.garment, petiole, fall.look()?))?;
+        let lying = *self.stock.lying.get(&(fall.garment, petiole, fall.look()?))?;
         let base = *self.stock.petiole_bases.get(&(form.species, petiole))?;
         let transform = placed(site, pose, base);
-        let middle = transform.point(self.shapes[shape as usize].middle.cast::<f32>()).cast::<f64>();
+        let middle = transform.point(self.shape(lying.as_fell).middle.cast::<f32>()).cast::<f64>();
         let rotation = transform.linear.cast::<f64>() / site.scale;
         let hung = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rotation));
-        let landing = level(middle) + fall.flight.aside(&self.wind, fall.flight.seconds);
+        let landing = level(middle) + fall.aside;
         let rest = self.ground.rest(self.scene.seed, self.scene.fall.wind, landing);
         let (side, yaw) = fall::lot(self.scene.seed, &fall.leaf);
-        Some(Way { model, shape, scale: site.scale, side, yaw, hung, middle, landing, rest })
+        Some(Way { lying, scale: site.scale, side, yaw, hung, middle, landing, rest })
+    }
+
+    fn shape(&self, worn: Worn) -> &Shape {
+        &self.stock.resting[worn.shape as usize].2
     }
 
     /// Middle and attitude at the end of the flight.
     fn arrival(&self, way: &Way) -> (DVec3, UnitQuaternion<f64>) {
-        let shape = &self.shapes[way.shape as usize];
+        let shape = self.shape(way.lying.as_fell);
         let height = self.ground.height(way.landing) + shape.stands(way.side) * way.scale + ARRIVAL;
         (DVec3::new(way.landing.x, height, way.landing.y), shape.level(way.side, way.yaw))
     }
@@ -240,7 +274,7 @@ impl Strewer<'_> {
         let place = level(way.middle) + fall.flight.aside(&self.wind, seconds);
         let height = end.y + (way.middle.y - end.y) * (1.0 - fall.flight.done(seconds)) + fall.flight.lift(seconds);
         // near the ground a leaf that still turns keeps its rim above it
-        let rim = self.shapes[way.shape as usize].lowest(&attitude) * way.scale;
+        let rim = self.shape(way.lying.as_fell).lowest(&attitude) * way.scale;
         let height = height.max(self.ground.height(place) - rim);
         (DVec3::new(place.x, height, place.y), attitude)
     }
@@ -258,21 +292,22 @@ impl Strewer<'_> {
         stand: &Stand,
         fall: &Fall,
         way: &Way,
-        (middle, attitude): (DVec3, UnitQuaternion<f64>),
+        (worn, (middle, attitude)): (Worn, (DVec3, UnitQuaternion<f64>)),
     ) -> Instance {
         let linear = attitude.to_rotation_matrix().into_inner() * way.scale;
-        let translation = (middle - linear * self.shapes[way.shape as usize].middle).cast::<f32>();
+        let translation = (middle - linear * self.shape(worn).middle).cast::<f32>();
         let id = stand.leaf_ids[fall.site];
         // the leaves of other years are others
         let leaf = if fall.leaf.year == 0 { id } else { hash(id, fall.leaf.year) };
         let transform = Affine { linear: linear.cast::<f32>(), translation };
-        Instance { model: way.model, transform, leaf: Some(leaf) }
+        Instance { model: worn.model, transform, leaf: Some(leaf) }
     }
 }
 
 fn landed(fall: &Fall, way: &Way) -> Landed {
-    let (leaf, day) = (fall.leaf.leaf, fall.landed);
-    Landed { leaf, day, place: way.rest, shape: way.shape, scale: way.scale, side: way.side, yaw: way.yaw }
+    let (leaf, day) = (fall.leaf.leaf, fall.course.landed);
+    let (shape, pressed) = (way.lying.as_fell.shape, way.lying.pressed.shape);
+    Landed { leaf, day, place: way.rest, shape, pressed, scale: way.scale, side: way.side, yaw: way.yaw }
 }
 
 /// What the report tells of a frame's fallen leaves.

@@ -27,18 +27,18 @@ mod view;
 mod white_balance;
 mod wood_edge;
 
-pub use falls::{Dropped, Fall, Falls, Look};
+pub use falls::{Dropped, Fall, Falls, Look, Ways};
 pub use leaf_area::blade_area;
 pub use litter::BROWN;
 pub use stand::{Form, Stand};
-pub use texture_size::{largest_texture, texture_size};
+pub use texture_size::{largest_blade, largest_texture, texture_size};
 pub use view::turned;
 
 use crate::base::mesh::Mesh;
 use crate::base::random::{Purpose, Stream};
 use crate::base::vector::{Affine, DVec3, Mat3, Vec3};
 use crate::colour::Painted;
-use crate::fall::Stalk;
+use crate::fall::{Shape, Stalk};
 use crate::frame::{Frame, Instance, Material, Model, Part, Texture};
 use crate::scene::{Scene, Species, camera::Subject, ground::Cover, image::Backdrop, image::Leaves};
 use crate::tree::LeafSite;
@@ -98,7 +98,7 @@ pub struct Stock {
     painted: BTreeMap<Garment, u32>,
     /// Models of fallen leaves, with their shapes and what their petioles do.
     lying: BTreeMap<(Garment, Petiole, Look), Lying>,
-    resting: Vec<(Arc<Mesh>, Stalk)>,
+    resting: Vec<(Arc<Mesh>, Stalk, Shape)>,
     /// Meshes of flattened blades and, by length, of lying petioles.
     flat: BTreeMap<Garment, u32>,
     lying_stalks: BTreeMap<u64, u32>,
@@ -119,11 +119,15 @@ impl Stock {
         for (number, tag) in tags.iter().enumerate() {
             stock.add_leaves(scene, stand, (number, tag), wardrobe);
         }
-        let is_seen = scene.output.png && scene.camera.subject == Subject::Trees;
-        if is_seen && scene.ground.kind != Cover::None {
+        // The one picture of a leaf by itself shows no ground; where no leaf hangs it is a picture of trees after all.
+        let is_alone = scene.camera.subject == Subject::Leaf
+            && scene.time.is_single()
+            && !wardrobe.shapes.is_empty()
+            && wardrobe.fallen.is_empty();
+        if scene.output.png && scene.ground.kind != Cover::None && !is_alone {
             stock.add_ground(scene, stand);
         }
-        if is_seen && scene.light.clouds > 0.0 && scene.image.background == Backdrop::Sky {
+        if scene.output.png && !is_alone && scene.light.clouds > 0.0 && scene.image.background == Backdrop::Sky {
             let sun = light::lighting(&scene.light, view::axis(&view::camera(scene, stand)), None).sun.direction;
             stock.clouds = Some(stock.push_texture(clouds::texture(scene.seed, [sun.x.into(), sun.z.into()])));
         }
@@ -155,8 +159,10 @@ impl Stock {
                 let material = *barks.entry((form.species, of_class.class)).or_insert_with(|| {
                     let texture = bark::texture(settings, of_class, scene.seed);
                     let name = format!("{tag}{}", texture.name);
-                    let texture = self.push_texture(Texture { name: name.clone(), ..texture });
-                    self.push_material(Material { reflected: Some(texture), ..wood(&name, [1.0; 3]) })
+                    let texture = Texture { name: name.clone(), ..texture };
+                    let relief = bark::relief(settings, of_class, &texture).map(|relief| self.push_texture(relief));
+                    let reflected = Some(self.push_texture(texture));
+                    self.push_material(Material { reflected, relief, ..wood(&name, [1.0; 3]) })
                 });
                 parts.push(Part { mesh: self.push_mesh(of_class.mesh.clone()), material });
             }

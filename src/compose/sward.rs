@@ -31,7 +31,7 @@ const COLOURS: [[u8; 3]; 8] = [
 pub(super) fn palette() -> Texture {
     const ROWS: u32 = 8;
     let width = COLOURS.len() as u32;
-    let shade = |colour: u8, row: u32| (f32::from(colour) * (0.62 + 0.38 * row as f32 / (ROWS - 1) as f32)) as u8;
+    let shade = |colour: u8, row: u32| (f32::from(colour) * (0.52 + 0.40 * row as f32 / (ROWS - 1) as f32)) as u8;
     let pixels = (0..ROWS).flat_map(|row| COLOURS.map(|c| c.map(|v| shade(v, ROWS - 1 - row)))).collect();
     Texture { name: "sward".to_owned(), width, height: ROWS, pixels, repeat: false }
 }
@@ -110,6 +110,8 @@ pub(super) fn meadow(seed: u64) -> Mesh {
             let foot = middle.map(|place| place + spread * random.normal().clamp(-2.0, 2.0));
             let height = tall * random.range(0.5, 1.2);
             let own = (0.6 * hue + 0.5 * random.uniform()).min(0.999);
+            // Most blades are green.
+            let own = own * own;
             blade(&mut mesh, &mut random, foot, [height, own, 0.0016]);
         }
     }
@@ -137,7 +139,8 @@ fn sow(mesh: &mut Mesh, tufts: &Fractal, seed: u64, [row, column]: [i32; 2], cou
     for _ in 0..(count * (0.3 + 1.4 * tuft)) as usize {
         let foot = [f64::from(column), f64::from(row)].map(|place| (place + random.uniform()) * CELL);
         let height = random.range(0.03, 0.11) * (0.5 + tuft);
-        let hue = random.uniform().min(0.999);
+        let hue = random.uniform();
+        let hue = (hue * hue).min(0.999);
         blade(mesh, &mut random, foot, [height, hue, 0.002]);
     }
 }

@@ -24,12 +24,17 @@ pub fn texture_size(scene: &Scene, stand: &Stand, number: usize) -> u32 {
     if species.colour.size.is_some() || scene.output.gltf.is_some() || scene.output.inset {
         return most;
     }
-    let length = species.leaf.length * 1e-3;
-    let pixels = match scene.camera.subject {
-        Subject::Leaf => f64::from(scene.image.height.max(scene.image.width)),
-        Subject::Trees => seen(scene, stand, number) * length,
-    };
+    let pixels = largest_blade(scene, stand, number);
     ((pixels / BLADE).clamp(1.0, f64::from(most)) as u32).next_power_of_two().clamp(LEAST, most)
+}
+
+/// Pixels along the blade of the leaf of a species that the camera sees largest.
+#[must_use]
+pub fn largest_blade(scene: &Scene, stand: &Stand, number: usize) -> f64 {
+    match scene.camera.subject {
+        Subject::Leaf => f64::from(scene.image.height.max(scene.image.width)),
+        Subject::Trees => seen(scene, stand, number) * scene.species[number].leaf.length * 1e-3,
+    }
 }
 
 /// The size that a species' textures have at most.

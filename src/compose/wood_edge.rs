@@ -21,6 +21,9 @@ const SPACING: f64 = 5.6;
 /// Metres of edge a bush of the hem.
 const BUSHES: f64 = 1.3;
 
+/// Rows at the ground that are closed.
+const FLOOR: usize = 12;
+
 /// What a pixel shows.
 #[derive(Clone, Copy)]
 struct Texel {
@@ -55,6 +58,10 @@ pub(super) fn textures(seed: u64) -> [Texture; 2] {
     let mut texels = vec![empty; WIDTH * HEIGHT];
     for clump in interior(seed).chain(trees(seed)).chain(bushes(seed)) {
         draw(&mut texels, &clump, seed);
+    }
+    // No sky shows between the stems.
+    for texel in texels[(HEIGHT - FLOOR) * WIDTH..].iter_mut().filter(|texel| !texel.covered) {
+        *texel = Texel { light: 0.12, covered: true, ..*texel };
     }
     let code = |value: f64| (128.0 + 127.0 * value.clamp(-1.0, 1.0)) as u8;
     let of = |name: &str, values: &dyn Fn(&Texel) -> [f64; 3]| Texture {

@@ -63,29 +63,45 @@ impl Counts {
     }
 }
 
-/// What has become of a leaf on `day`, and when it landed (days). Single leaves brown after 0.4 to 1.6 of the mean time,
-/// flatten after 0.3 to 0.55 of the time that litter stays, and are gone after 0.7 to 1.3 of it.
-#[must_use]
-pub fn fate(settings: &Settings, decay: &Decay, seed: u64, leaf: &Fallen, flight: &Flight, day: f64) -> (Fate, f64) {
-    if day < leaf.day {
-        return (Fate::Hanging, leaf.day);
+/// When a leaf's fates begin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Course {
+    /// When it lands, days.
+    pub landed: f64,
+    /// Days after its landing from which it is brown, flat and gone.
+    ages: [f64; 3],
+}
+
+impl Course {
+    /// The course of a leaf. Single leaves brown after 0.4 to 1.6 of the mean time, flatten after 0.3 to 0.55 of the time that
+    /// litter stays, and are gone after 0.7 to 1.3 of it.
+    #[must_use]
+    pub fn new(settings: &Settings, decay: &Decay, seed: u64, leaf: &Fallen, flight: &Flight) -> Self {
+        let mut stream = Stream::new(seed, Purpose::Litter, leaf.leaf, leaf.year);
+        let mut after = |mean: f64, low: f64, high: f64| mean * stream.range(low, high);
+        let brown = after(decay.browning, 0.4, 1.6);
+        let flat = after(decay.days, 0.3, 0.55).max(brown);
+        let gone = after(decay.days, 0.7, 1.3).max(brown);
+        let landed = if settings.air { flight.lands(leaf, settings.slow_motion) } else { leaf.day };
+        Self { landed, ages: [brown, flat, gone] }
     }
-    let landed = if settings.air { flight.lands(leaf, settings.slow_motion) } else { leaf.day };
-    if day < landed {
-        return (Fate::Air(((day - leaf.day) * DAY / settings.slow_motion).clamp(0.0, flight.seconds)), landed);
+
+    /// What has become of the leaf on `day`.
+    #[must_use]
+    pub fn fate(&self, settings: &Settings, leaf: &Fallen, flight: &Flight, day: f64) -> Fate {
+        if day < leaf.day {
+            return Fate::Hanging;
+        }
+        if day < self.landed {
+            return Fate::Air(((day - leaf.day) * DAY / settings.slow_motion).clamp(0.0, flight.seconds));
+        }
+        let (age, [brown, flat, gone]) = (day - self.landed, self.ages);
+        match age {
+            age if age >= gone => Fate::Decayed,
+            age if age >= flat => Fate::Flat,
+            age if age >= brown => Fate::Brown,
+            _ if settings.air => Fate::Fresh((age * DAY / settings.slow_motion / SETTLING).min(1.0)),
+            _ => Fate::Fresh(1.0),
+        }
     }
-    let age = day - landed;
-    let mut stream = Stream::new(seed, Purpose::Litter, leaf.leaf, leaf.year);
-    let mut after = |mean: f64, low: f64, high: f64| mean * stream.range(low, high);
-    let brown = after(decay.browning, 0.4, 1.6);
-    let flat = after(decay.days, 0.3, 0.55).max(brown);
-    let gone = after(decay.days, 0.7, 1.3).max(brown);
-    let fate = match age {
-        age if age >= gone => Fate::Decayed,
-        age if age >= flat => Fate::Flat,
-        age if age >= brown => Fate::Brown,
-        _ if settings.air => Fate::Fresh((age * DAY / settings.slow_motion / SETTLING).min(1.0)),
-        _ => Fate::Fresh(1.0),
-    };
-    (fate, landed)
 }

@@ -103,7 +103,7 @@ impl Flight {
         let seconds = seconds.clamp(0.0, self.seconds);
         let done = self.done(seconds);
         let response = self.descent.speed / GRAVITY;
-        let carried = wind.carried(self.height, self.descent.speed, done);
+        let carried = wind.carried(self.start, self.height, self.descent.speed, done);
         carried + wind.gusted(self.start, seconds, response) + self.sway(done)
     }
 

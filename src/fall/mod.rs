@@ -4,7 +4,8 @@
 //!    flutter, tumbling or a spiral by its Froude number, wind and gusts (`wind`) integrated exactly;
 //! 2. `fate`: whether it hangs, flies, lies (as it fell, brown, flat) or has decayed;
 //! 3. `ground`: where it comes to rest: litter gathers in drifts, and not within trunks;
-//! 4. `litter`: how it lies on the ground and on what lies there already, by the lowest points of its shape (`shape`).
+//! 4. `litter`: how it lies on the ground and on what lies there already: on three points of its shape (`shape`, `support`)
+//!    down to the first contact (`contact`), pressed by what lies over it (`layers`).
 //!
 //! Every result is a function of the seed, the leaf and the time; the litter of a time is made from all earlier falls, in
 //! the order in which they landed. No step follows from a step before, so a frame alone equals the same frame of a run.
@@ -15,22 +16,28 @@
 
 mod check;
 mod columns;
+mod contact;
 mod descent;
 mod fate;
 mod flight;
 mod ground;
+mod layers;
+mod lines;
 mod litter;
+#[cfg(test)]
+mod pile_tests;
 mod settings;
 mod shape;
+mod support;
 #[cfg(test)]
 mod tests;
 mod wind;
 
 pub use check::{check, check_decay};
 pub use descent::{Descent, froude, terminal_speed};
-pub use fate::{Counts, Fate, fate};
+pub use fate::{Counts, Course, Fate};
 pub use flight::{Flight, Motion};
-pub use ground::{Ground, Trunk};
+pub use ground::{Ground, HeightMap, Trunk};
 pub use litter::{Laid, Landed, lot, settle};
 pub use settings::{Decay, Settings};
 pub use shape::{Shape, Side, Stalk};

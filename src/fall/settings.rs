@@ -8,9 +8,10 @@ settings! {
         /// Whether leaves that have fallen are seen; when absent, where there is a ground to lie on.
         on: Option<bool> = None;
         /// Mean speed of the wind over the height that a leaf falls through.
-        wind: f64 = 0.5, unit "m/s", range 0.0 => 20.0;
-        /// Where the wind blows to: 0 along +x, 90 along +z (with the camera left open: to the right, towards the camera).
-        direction: f64 = 20.0, unit "°", range -360.0 => 360.0;
+        wind: f64 = 0.3, unit "m/s", range 0.0 => 20.0;
+        /// Where the wind blows to: 0 along +x, 90 along +z (with the camera left open: to the right, towards the camera). When
+        /// absent, every day has its own direction by chance and the hours wander about it.
+        direction: Option<f64> = None, unit "°", range -360.0 => 360.0;
         /// Standard deviation of gusts along each direction over the mean speed; hours are calm or blustery by chance.
         gustiness: f64 = 1.0, range 0.0 => 5.0;
         /// Time over which gusts keep their strength (correlation e^-1).

@@ -4,22 +4,29 @@
 //! it is the one that is highest at the centre: the maximum of the concave function min_i (h_i - a p_i - b q_i) of the slopes
 //! a and b, found by nested golden sections. A curled leaf thus stands on its rims and a flat one lies.
 
-use super::columns::CELL;
-use super::litter::FITTED;
+use super::lines::{End, Line, Lines};
+use super::support::support;
 use crate::base::mesh::Mesh;
 use crate::base::vector::{DVec2, DVec3, Vec3};
 use nalgebra::{Rotation3, UnitQuaternion};
 
-/// Distance of the samples of a shape, metres: below a cell's side for leaves up to 1.5 times the mean size.
-const SAMPLE: f64 = CELL * 0.6;
+/// Distance of the lines through a shape, metres: what it leans on and what hides it is judged on them.
+const SAMPLE: f64 = 7e-3;
 /// Most samples along one side of a shape; larger leaves are sampled farther apart.
-const MOST: f64 = 48.0;
+const MOST: f64 = 24.0;
 /// Steepest slope at which a shape may stand on its rims.
 const STEEPEST: f64 = 0.7;
 /// Points of a petiole that may touch the ground.
 const STALK: usize = 4;
-/// Inverse of the golden ratio.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// Distance of the points of a blade, metres: below the side of a cell.
+const POINT: f64 = 2.4e-3;
+/// Most points along one side of a shape.
+const MOST_POINTS: f64 = 256.0;
+/// Distance of the points along a rim, metres, and most parts of one edge.
+const RIM: f64 = 2.2e-3;
+const MOST_PARTS: u32 = 64;
+/// Room about what a leaf may reach, metres.
+const ROOM: f64 = 0.01;
 
 /// The side of a leaf that faces the sky.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +57,15 @@ pub(super) struct Sample {
     pub high: f32,
 }
 
+/// A point of a lying blade of scale 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Point {
+    /// Along x from the middle, height over the ground, along z, metres.
+    pub at: [f32; 3],
+    /// How it rises along x and z, metres a metre.
+    pub slope: [f32; 2],
+}
+
 /// A shape as it lies on one side.
 #[derive(Clone, Debug)]
 pub(super) struct Rest {
@@ -57,10 +73,16 @@ pub(super) struct Rest {
     pub level: UnitQuaternion<f64>,
     /// The point of the turned model that lies on the ground below its middle, metres.
     pub foot: DVec3,
-    /// Lines through it.
+    /// Points of the blade, closer than cells.
+    pub blade: Vec<Point>,
+    /// Points of its rim: along x from the middle, height over the ground, along z, metres.
+    pub rim: Vec<[f32; 3]>,
+    /// Points of the petiole.
+    pub stalk: Vec<[f32; 3]>,
+    /// Lines through the blade.
     pub samples: Vec<Sample>,
-    /// Inverse of the second moments of the samples that are fitted, by which slopes are found: xx, xz, zz.
-    pub moments: [f64; 3],
+    /// Area that the blade covers, m2.
+    pub covered: f64,
     /// Within so many metres of the middle lies all of it, however it leans.
     pub reach: f64,
 }
@@ -135,99 +157,54 @@ fn rest(mesh: &Mesh, stalk: Vec3, middle: DVec3, side: Side) -> Rest {
     let turned: Vec<DVec3> = points.iter().map(|p| upright * p).collect();
     let lowest = turned.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
     let lowest = if lowest.is_finite() { lowest } else { 0.0 };
-    let samples = sampled(&turned, &mesh.triangles, lowest);
+    let (vertices, stalk) = turned.split_at(mesh.positions.len());
+    let coarse = Lines::new(vertices, &mesh.triangles, SAMPLE, MOST);
+    let fine = Lines::new(vertices, &mesh.triangles, POINT, MOST_POINTS);
     let foot = level * middle + DVec3::new(0.0, lowest, 0.0);
-    let moments = inverse_moments(&samples);
-    let reach = turned.iter().map(|p| p.norm() + p.y - lowest).fold(0.0, f64::max) + CELL;
-    Rest { level, foot, samples, moments, reach }
+    let reach = turned.iter().map(|p| p.norm() + p.y - lowest).fold(0.0, f64::max) + ROOM;
+    let covered = coarse.lines.len() as f64 * coarse.step * coarse.step;
+    let single = |points: &[DVec3]| points.iter().map(|p| [p.x as f32, (p.y - lowest) as f32, p.z as f32]).collect();
+    let height = |end: End| (end.height - lowest) as f32;
+    let sample = |line: &Line| Sample {
+        place: [line.place.x as f32, line.place.y as f32],
+        low: height(line.low),
+        high: height(line.high),
+    };
+    let point = |(place, end): (DVec2, End)| Point {
+        at: [place.x as f32, height(end), place.y as f32],
+        slope: [end.slope.x as f32, end.slope.y as f32],
+    };
+    Rest {
+        level,
+        foot,
+        blade: fine.ends().map(point).collect(),
+        rim: single(&along_rim(vertices, &mesh.triangles)),
+        stalk: single(stalk),
+        samples: coarse.lines.iter().map(sample).collect(),
+        covered,
+        reach,
+    }
+}
+
+/// Points along the edges that belong to one triangle only.
+fn along_rim(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
+    let edge = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
+    let mut edges: Vec<[u32; 2]> = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]].map(edge)).collect();
+    edges.sort_unstable();
+    let rim = edges.chunk_by(|one, next| one == next).filter(|same| same.len() == 1).map(|same| same[0]);
+    let between = |[a, b]: [u32; 2]| {
+        let (from, to) = (points[a as usize], points[b as usize]);
+        let parts = ((to - from).norm() / RIM) as u32 + 1;
+        (0..parts.min(MOST_PARTS)).map(move |part| from + (to - from) * (f64::from(part) / f64::from(parts)))
+    };
+    rim.flat_map(between).collect()
 }
 
 /// Slopes along x and z of the plane that carries the points.
 fn carrying(points: &[DVec3]) -> [f64; 2] {
-    let height = |a: f64, b: f64| points.iter().map(|p| p.y - a * p.x - b * p.z).fold(f64::INFINITY, f64::min);
-    let inner = |a: f64| maximum(|b| height(a, b));
-    let a = maximum(|a| inner(a).1).0;
-    [a, inner(a).0]
-}
-
-/// Place and value of the maximum of a concave function of a slope.
-fn maximum(value: impl Fn(f64) -> f64) -> (f64, f64) {
-    let (mut low, mut high) = (-STEEPEST, STEEPEST);
-    let (mut left, mut right) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
-    let (mut at_left, mut at_right) = (value(left), value(right));
-    for _ in 0..18 {
-        if at_left < at_right {
-            (low, left, at_left) = (left, right, at_right);
-            right = low + GOLDEN * (high - low);
-            at_right = value(right);
-        } else {
-            (high, right, at_right) = (right, left, at_left);
-            left = high - GOLDEN * (high - low);
-            at_left = value(left);
-        }
-    }
-    let middle = 0.5 * (low + high);
-    (middle, value(middle))
-}
-
-/// Vertical lines on a grid, each with the lowest and highest point of the triangles that it meets.
-fn sampled(points: &[DVec3], triangles: &[[u32; 3]], lowest: f64) -> Vec<Sample> {
-    let flat = |p: &DVec3| DVec2::new(p.x, p.z);
-    let Some(first) = points.first().map(flat) else { return Vec::new() };
-    let (low, high) = points.iter().map(flat).fold((first, first), |(low, high), p| (low.inf(&p), high.sup(&p)));
-    let step = SAMPLE.max((high - low).max() / MOST);
-    let [columns, rows] = [(high.x - low.x) / step, (high.y - low.y) / step].map(|count| count as usize + 1);
-    let mut bounds = vec![(f64::INFINITY, f64::NEG_INFINITY); columns * rows];
-    // A grid about the middle of the box, so that thin blades have a line along their midrib.
-    let origin = (low + high) * 0.5 - DVec2::new((columns - 1) as f64, (rows - 1) as f64) * (0.5 * step);
-    for triangle in triangles {
-        let corners = triangle.map(|v| points[v as usize]);
-        let place = |p: DVec3| (flat(&p) - origin) / step;
-        let [a, b, c] = corners.map(place);
-        let area = (b - a).perp(&(c - a));
-        if area.abs() < 1e-12 {
-            continue;
-        }
-        let (from, to) = (a.inf(&b).inf(&c), a.sup(&b).sup(&c));
-        let range = |from: f64, to: f64, count: usize| {
-            (from.ceil().max(0.0) as usize)..((to.floor() + 1.0).clamp(0.0, count as f64) as usize)
-        };
-        for row in range(from.y, to.y, rows) {
-            for column in range(from.x, to.x, columns) {
-                let at = DVec2::new(column as f64, row as f64);
-                let u = (c - b).perp(&(at - b)) / area;
-                let v = (a - c).perp(&(at - c)) / area;
-                if u >= 0.0 && v >= 0.0 && u + v <= 1.0 {
-                    let height = u * corners[0].y + v * corners[1].y + (1.0 - u - v) * corners[2].y - lowest;
-                    let bound = &mut bounds[row * columns + column];
-                    *bound = (bound.0.min(height), bound.1.max(height));
-                }
-            }
-        }
-    }
-    let sample = |place: DVec2, [low, high]: [f64; 2]| {
-        let place = [place.x as f32, place.y as f32];
-        Sample { place, low: low as f32, high: high as f32 }
-    };
-    let line = |(number, &(low, high)): (usize, &(f64, f64))| {
-        let place = origin + DVec2::new((number % columns) as f64, (number / columns) as f64) * step;
-        (low <= high).then(|| sample(place, [low, high]))
-    };
-    let mut samples: Vec<Sample> = bounds.iter().enumerate().filter_map(line).collect();
-    // the lowest points themselves, between the lines, and the stalk
-    let blade = points.len() - STALK;
-    let is_low = |(number, p): &(usize, &DVec3)| *number >= blade || p.y - lowest < 1e-3;
-    samples.extend(points.iter().enumerate().filter(is_low).map(|(_, p)| sample(flat(p), [p.y - lowest; 2])));
-    samples
-}
-
-fn inverse_moments(samples: &[Sample]) -> [f64; 3] {
-    let places = || samples.iter().step_by(FITTED).map(|sample| sample.place.map(f64::from));
-    let sum = |value: &dyn Fn([f64; 2]) -> f64| places().map(value).sum::<f64>();
-    let (xx, zz) = (sum(&|[x, _]| x * x), sum(&|[_, z]| z * z));
-    let xz = sum(&|[x, z]| x * z);
-    let determinant = xx * zz - xz * xz;
-    if determinant > 1e-18 { [zz / determinant, -xz / determinant, xx / determinant] } else { [0.0; 3] }
+    let hanging: Vec<[f64; 3]> = points.iter().map(|p| [p.x, p.z, -p.y]).collect();
+    let [_, a, b] = support(&hanging, STEEPEST, 1e-7);
+    [-a, -b]
 }
 
 #[cfg(test)]
@@ -273,12 +250,9 @@ mod tests {
         }
         let shape = Shape::new(&mesh, Stalk::default());
         let rest = shape.rest(Side::Lower);
-        let feet: Vec<DVec2> = rest
-            .samples
-            .iter()
-            .filter(|s| s.low < 3e-4)
-            .map(|s| DVec2::new(f64::from(s.place[0]), f64::from(s.place[1])))
-            .collect();
+        let points = rest.rim.iter().chain(rest.blade.iter().map(|point| &point.at));
+        let feet = points.filter(|v| v[1] < 3e-4);
+        let feet: Vec<DVec2> = feet.map(|v| DVec2::new(f64::from(v[0]), f64::from(v[2]))).collect();
         let around = (0..8).all(|k| {
             let angle = f64::from(k) * std::f64::consts::FRAC_PI_4;
             let way = DVec2::new(crate::base::maths::cos(angle), crate::base::maths::sin(angle));

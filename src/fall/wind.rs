@@ -11,7 +11,7 @@
 //! variance follows Laplace's law, whose tails are exponential, as those of leaf litter about a tree are (Ferrari and Sugita
 //! 1996; Molnar 2004).
 
-use super::Settings;
+use super::{DAY, Settings};
 use crate::base::maths::{exp, log1p, pow, sincos};
 use crate::base::random::{Purpose, Stream, hash};
 use crate::base::vector::DVec2;
@@ -24,6 +24,9 @@ const BLOCK: i64 = 1 << HALVINGS;
 const HALVINGS: usize = 5;
 /// Seconds that are calm or blustery together.
 const SPELL: f64 = 3600.0;
+/// Standard deviation of an hour's direction about that of its day, degrees: light winds meander (by 30 to 60 degrees below
+/// 1 m/s, Hanna 1983).
+const WANDERING: f64 = 50.0;
 /// Knots that are integrated one by one; of a longer flight (slower than any leaf) the rest is left out.
 const MOST_KNOTS: i64 = 4096;
 
@@ -31,8 +34,10 @@ const MOST_KNOTS: i64 = 4096;
 #[derive(Clone, Copy, Debug)]
 pub struct Wind {
     seed: u64,
-    /// Mean velocity along x and z, m/s.
-    mean: DVec2,
+    /// Mean speed, m/s.
+    speed: f64,
+    /// Where it blows to, a unit vector along x and z; by days and hours when absent.
+    direction: Option<DVec2>,
     /// Standard deviation of gusts in each direction, m/s.
     deviation: f64,
     /// Correlation time, s.
@@ -45,23 +50,39 @@ impl Wind {
     /// The wind of these settings.
     #[must_use]
     pub fn new(settings: &Settings, seed: u64) -> Self {
-        let (sine, cosine) = sincos(settings.direction.to_radians());
-        let mean = DVec2::new(cosine, sine) * settings.wind;
+        let direction = settings.direction.map(|degrees| heading(degrees.to_radians()));
         let halves = std::array::from_fn(|level| {
             // half the interval in correlation times
             let e = exp(-((BLOCK >> level) as f64) * 0.25);
             [e / (1.0 + e * e), ((1.0 - e * e) / (1.0 + e * e)).sqrt()]
         });
-        Self { seed, mean, deviation: settings.wind * settings.gustiness, time: settings.gust_time, halves }
+        let (speed, deviation) = (settings.wind, settings.wind * settings.gustiness);
+        Self { seed, speed, direction, deviation, time: settings.gust_time, halves }
     }
 
-    /// How far the mean wind carries a leaf that falls at `speed` m/s from `height`, when the share `done` of it is behind it.
+    /// Where the wind blows to at a time (seconds): a unit vector along x and z. Without a direction of the scene each day has
+    /// one by chance, about which that of the hours wanders.
+    #[must_use]
+    pub fn direction(&self, time: f64) -> DVec2 {
+        self.direction.unwrap_or_else(|| {
+            let number = |seconds: f64| (time / seconds).floor() as i64 as u64;
+            let of_day = Stream::new(self.seed, Purpose::Gust, number(DAY), 1).range(0.0, TAU);
+            let of_hour = Stream::new(self.seed, Purpose::Gust, number(SPELL), 2).normal();
+            heading(of_day + of_hour * WANDERING.to_radians())
+        })
+    }
+
+    /// How far the mean wind carries a leaf that lets go at `start` (seconds) and falls at `speed` m/s from `height`, when the
+    /// share `done` of it is behind it.
     /// The leaf takes up the wind as it takes up its descent, dx/ds = U(y) / speed, so the integral over the profile U(y) ~
     /// y^0.2 is exact. The mean over the height is the scene's wind: all the way comes to U height / speed.
     #[must_use]
-    pub fn carried(&self, height: f64, speed: f64, done: f64) -> DVec2 {
+    pub fn carried(&self, start: f64, height: f64, speed: f64, done: f64) -> DVec2 {
+        if self.speed <= 0.0 {
+            return DVec2::zeros();
+        }
         let share = 1.0 - pow((1.0 - done).clamp(0.0, 1.0), PROFILE + 1.0);
-        self.mean * (height / speed * share)
+        self.direction(start) * (self.speed * height / speed * share)
     }
 
     /// How far gusts carry a leaf within `seconds` after the time `start` (seconds), from rest: a leaf takes up a gust
@@ -164,6 +185,12 @@ impl Wind {
     }
 }
 
+/// The unit vector along x and z of an angle from +x towards +z.
+fn heading(angle: f64) -> DVec2 {
+    let (sine, cosine) = sincos(angle);
+    DVec2::new(cosine, sine)
+}
+
 fn sinh(x: f64) -> f64 {
     0.5 * (exp(x) - exp(-x))
 }
@@ -214,15 +241,30 @@ mod tests {
     #[test]
     fn the_mean_wind_carries_by_height_over_speed() {
         let wind = wind();
-        let all = wind.carried(6.0, 1.2, 1.0);
+        let all = wind.carried(0.0, 6.0, 1.2, 1.0);
         assert!((all.norm() - 2.0 * 6.0 / 1.2).abs() < 1e-12);
         // The lower half of the way lies in slower air.
-        assert!(wind.carried(6.0, 1.2, 0.5).norm() > 0.5 * all.norm());
+        assert!(wind.carried(0.0, 6.0, 1.2, 0.5).norm() > 0.5 * all.norm());
+    }
+
+    #[test]
+    fn without_a_direction_the_wind_blows_from_all_sides_in_turn_and_keeps_for_a_day() {
+        let wind = Wind::new(&Settings { wind: 2.0, ..Settings::default() }, 5);
+        let mean = |hours: std::ops::Range<u32>| {
+            let count = f64::from(hours.end - hours.start);
+            hours.map(|hour| wind.direction(3600.0 * (f64::from(hour) + 0.5))).sum::<DVec2>() / count
+        };
+        // 400 days of 24 hours: the mean of a day is exp(-wandering^2 / 2) = 0.68, that of all days small
+        let days: f64 = (0..400).map(|day| mean(24 * day..24 * day + 24).norm()).sum::<f64>() / 400.0;
+        assert!((days - 0.69).abs() < 0.04, "{days}");
+        assert!(mean(0..9600).norm() < 0.1);
+        let fixed = Wind::new(&Settings { direction: Some(90.0), ..Settings::default() }, 5);
+        assert!((fixed.direction(1e6) - DVec2::y()).norm() < 1e-12);
     }
 
     #[test]
     fn still_air_has_no_gusts() {
         let still = Wind::new(&Settings { wind: 0.0, ..Settings::default() }, 5);
-        assert_eq!((still.gusted(3.0, 9.0, 0.1), still.carried(9.0, 1.0, 1.0)), (DVec2::zeros(), DVec2::zeros()));
+        assert_eq!((still.gusted(3.0, 9.0, 0.1), still.carried(0.0, 9.0, 1.0, 1.0)), (DVec2::zeros(), DVec2::zeros()));
     }
 }

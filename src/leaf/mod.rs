@@ -12,6 +12,7 @@
 mod check;
 mod field;
 mod file;
+mod fringe;
 mod grid;
 mod mask;
 mod outline;
@@ -23,6 +24,7 @@ mod settings;
 mod show;
 mod spline;
 mod strip;
+mod teeth;
 mod trace;
 mod truth;
 mod veins;
@@ -36,12 +38,14 @@ use crate::base::settings::Complaint;
 use crate::base::vector::DVec2;
 pub use check::check;
 pub use file::{MASK, TEXTURE, text as file_text};
+pub use fringe::Fringe;
 pub use mask::Mask;
 use remesh::Remesh;
 pub use segmentation::petiole::Petiole;
 pub use settings::{Meshing, Settings, VeinLine, Venation};
 pub use show::chart::Chart;
 use spline::Spline;
+pub use teeth::Teeth;
 use thiserror::Error;
 pub use trace::{Pose, Trace};
 pub use truth::Truth;
@@ -206,6 +210,8 @@ fn outlined(settings: &Settings, picture: &Picture, trace: &Trace) -> Settings {
         picture: None,
         veins,
         outline: Some(line(&trace.keys)),
+        // A trace has its teeth already.
+        teeth: Teeth::default(),
         holes: trace.hole_keys.iter().map(line).collect(),
         petiole: stalk.map(station).collect(),
         joint: Some(trace.pose.joint.into()),
@@ -253,7 +259,9 @@ fn blade(settings: &Settings, pictures: Pictures, trace: Option<&Trace>) -> Resu
         (None, scanned) => scanned.map(|(picture, trace)| show::texture::laid_out(picture, trace, &flat)),
     };
     let mut outlines = outlines.into_iter();
-    let outline = outlines.next().unwrap_or_default();
+    let plain = outlines.next().unwrap_or_default();
+    // Veins, mask and mesh are those of the key points: what bends does not know of small teeth.
+    let outline = shape.margin.as_ref().map_or(plain, |margin| dense(margin, settings.length * 1e-3));
     let Shape { petiole, keys, .. } = shape;
     let petiole = strip::strip(&petiole);
     if let Some(strip) = &petiole {
@@ -273,6 +281,8 @@ struct Shape {
     petiole: Vec<(DVec2, f64)>,
     /// The veins, when they are known.
     veins: Vec<Vein>,
+    /// The outline with its teeth, when they are more than its key points.
+    margin: Option<Spline>,
 }
 
 impl Shape {
@@ -291,6 +301,7 @@ impl Shape {
             order: vein.order as u8,
         };
         Ok(Self {
+            margin: teeth::margin(&lines[0], corner, &settings.teeth),
             veins: settings.veins.iter().filter(|vein| vein.points.len() > 1).map(vein).collect(),
             petiole: settings.petiole.iter().map(stalk).collect(),
             loops: lines.iter().map(|keys| Spline::through(keys, corner)).collect(),

@@ -1,6 +1,7 @@
 //! The keys of `[leaf]`.
 
 use crate::leaf::mask::Mask;
+use crate::leaf::teeth::Teeth;
 use crate::{choice, settings};
 
 choice! {
@@ -62,6 +63,8 @@ settings! {
         /// The blade's upper side as `leafseason leaf` writes it: straightened, laid out by texture coordinates, clear
         /// where no leaf is. That of `picture` when absent; painted when there is neither.
         texture: Option<String> = None;
+        /// How the margin runs between the key points of `outline`.
+        teeth: Teeth = Teeth::default();
         /// The law by which a mask is derived.
         mask_law: Mask = Mask::default();
         /// Length of the blade from the joint to the farthest tip, to which an outline or a scan is scaled.

@@ -29,8 +29,13 @@ impl Spline {
     pub fn through(keys: &[DVec2], corner: f64) -> Self {
         let count = keys.len();
         let sharp = |i: usize| turning(keys[(i + count - 1) % count], keys[i], keys[(i + 1) % count]) > corner;
+        Self::broken_at(keys, (0..count).map(sharp).collect())
+    }
+
+    /// The curve through `keys` that may break its direction at those marked, one mark a key.
+    pub fn broken_at(keys: &[DVec2], corners: Vec<bool>) -> Self {
+        let count = keys.len();
         let widths: Vec<f64> = (0..count).map(|i| (keys[(i + 1) % count] - keys[i]).norm().sqrt()).collect();
-        let corners: Vec<bool> = (0..count).map(sharp).collect();
         let mut spline = Self { keys: keys.to_vec(), corners, widths, bends: vec![[DVec2::zeros(); 2]; count] };
         let places: Vec<usize> = (0..count).filter(|&i| spline.corners[i]).collect();
         if places.is_empty() {

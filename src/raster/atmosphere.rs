@@ -9,20 +9,23 @@ use crate::frame::Frame;
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-/// The 26 directions of a cube's faces, edges and corners with the weights that integrate polynomials up to degree 7 over
-/// the sphere (Lebedev 1976).
+/// The steps to the 26 neighbours of a cell.
+pub(super) fn steps() -> impl Iterator<Item = [i32; 3]> {
+    let all = (-1..=1).flat_map(|x| (-1..=1).flat_map(move |y| (-1..=1).map(move |z| [x, y, z])));
+    all.filter(|step| *step != [0; 3])
+}
+
+/// The 26 directions of a cube's faces, edges and corners, in the order of `steps`, with the weights that integrate
+/// polynomials up to degree 7 over the sphere (Lebedev 1976).
 pub(super) fn directions() -> [(Vec3, f32); 26] {
     let mut directions = [(Vec3::zeros(), 0.0); 26];
-    let mut next = 0;
-    for (x, y, z) in (-1..=1).flat_map(|x| (-1..=1).flat_map(move |y| (-1..=1).map(move |z| (x, y, z)))) {
-        let weight = match i32::abs(x) + i32::abs(y) + i32::abs(z) {
-            0 => continue,
+    for (direction, [x, y, z]) in directions.iter_mut().zip(steps()) {
+        let weight = match x.abs() + y.abs() + z.abs() {
             1 => 1.0 / 21.0,
             2 => 4.0 / 105.0,
             _ => 9.0 / 280.0,
         };
-        directions[next] = (Vec3::new(x as f32, y as f32, z as f32).normalize(), weight);
-        next += 1;
+        *direction = (Vec3::new(x as f32, y as f32, z as f32).normalize(), weight);
     }
     directions
 }
@@ -103,6 +106,14 @@ impl Atmosphere {
             atmosphere.open.add(direction, atmosphere.radiance(direction), share);
         }
         atmosphere
+    }
+
+    /// Surroundings of one radiance on all sides.
+    #[cfg(test)]
+    pub(super) fn even(radiance: [f32; 3]) -> Self {
+        let open = Ambient { mean: radiance, lean: [Vec3::zeros(); 3] };
+        let wood = Palette::default();
+        Self { zenith: radiance, horizon: radiance, clear: None, sun: Vec3::y(), ground: None, haze: 1.0, open, wood }
     }
 
     /// Irradiance of the sky on level ground.

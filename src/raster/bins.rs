@@ -33,6 +33,8 @@ pub(super) struct Item {
     pub nearness: f32,
     /// What a pixel covers where it is nearest, in the mesh's metres.
     pub pixel: f32,
+    /// Whether no part of it reaches where triangles are cut.
+    pub is_whole: bool,
     /// Box of pixels that holds it: left, top, right, bottom, inclusive.
     pub bounds: [i32; 4],
 }
@@ -139,6 +141,7 @@ fn push_items(
                 cluster: cluster_number as u32,
                 nearness,
                 pixel: projection.least_metres(centre, cluster.radius * scale) / scale.max(1e-12),
+                is_whole: projection.holds(centre, cluster.radius * scale),
                 bounds: [left.max(0), top.max(0), right.min(limits[0]), bottom.min(limits[1])],
             });
         }

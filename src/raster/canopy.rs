@@ -2,11 +2,12 @@
 //!
 //! A ray through foliage of density u (leaf area a volume) with leaves in all directions meets a leaf with probability
 //! 1 - exp(-u s / 2) over a length s (Beer and Lambert with the spherical leaf angle distribution, Monsi and Saeki 1953).
-//! From each cell 26 rays gather what the open sky and ground send and what the leaves on the way scatter; scattering is
-//! followed for two rounds, so shade takes on the colour of the foliage around it. The result is smooth by nature; sharp
-//! shadows come from the shadow map.
+//! Light is followed along the 26 directions to a cell's neighbours, one sweep over the volume each (discrete ordinates,
+//! Chandrasekhar 1960): each cell sees its neighbour's light dimmed by the leaves between, and what these scatter. A second
+//! round scatters the light of the first, so shade takes on the colour of the foliage around it. The result is smooth by
+//! nature; sharp shadows come from the shadow map.
 
-use super::atmosphere::{Ambient, Atmosphere, directions};
+use super::atmosphere::{Ambient, Atmosphere, directions, steps};
 use super::cluster::ClusteredMesh;
 use super::texture::MipMap;
 use crate::base::maths::expf;
@@ -17,10 +18,14 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 
 /// Cells along the longest side of the crown, or of the largest tree of several.
-const CELLS: f32 = 24.0;
+const CELLS: f32 = 22.0;
 /// Most cells of the volume about several trees; beyond it cells grow. Light gathers over a few metres of foliage, so a cell
 /// may be half a metre wide before crowns look flat.
-const MOST_CELLS: f32 = 300_000.0;
+const MOST_CELLS: f32 = 120_000.0;
+/// Rounds of scattering.
+const ROUNDS: usize = 2;
+/// Directions that are swept at once; fixed, so that sums have one order on any machine.
+const TOGETHER: usize = 4;
 /// Share of leaf area that a ray meets: the projection of a spherical leaf angle distribution.
 const PROJECTION: f32 = 0.5;
 
@@ -28,10 +33,21 @@ const PROJECTION: f32 = 0.5;
 struct Cell {
     /// Leaf area a volume, 1/m.
     density: f32,
+    /// The same of the leaves whose colours it has, 1/m.
+    coloured: f32,
     /// Reflectance plus transmittance of the leaves, area-weighted.
     scattering: [f32; 3],
     /// Transmittance of the leaves, area-weighted.
     transmission: [f32; 3],
+}
+
+/// The sun's light at a cell, as a share of what comes in from above.
+#[derive(Clone, Copy)]
+struct Beam {
+    /// All that comes straight or through leaves.
+    all: [f32; 3],
+    /// What has come through leaves.
+    through: [f32; 3],
 }
 
 /// The light inside a crown.
@@ -40,8 +56,6 @@ pub(super) struct Canopy {
     size: f32,
     counts: [usize; 3],
     cells: Vec<Cell>,
-    /// Share of light that passes each cell straight.
-    passed: Vec<f32>,
     /// Light from all sides but the sun's straight beam.
     ambient: Vec<Ambient>,
 }
@@ -56,11 +70,25 @@ impl Canopy {
     ) -> Option<Self> {
         let mut canopy = Self::around(frame, meshes)?;
         canopy.fill(frame, meshes, textures);
-        let depth = PROJECTION * canopy.size;
-        canopy.passed = canopy.cells.iter().map(|cell| expf(-depth * cell.density)).collect();
-        let dark = vec![Ambient::default(); canopy.cells.len()];
-        let first = canopy.gather(frame, atmosphere, &dark);
-        canopy.ambient = canopy.gather(frame, atmosphere, &first);
+        let beams: Vec<Beam> = (0..canopy.cells.len()).into_par_iter().map(|cell| canopy.beam(cell, frame)).collect();
+        let strength = frame.sun.irradiance.map(|e| e * atmosphere.sun_share());
+        let mut mean: Vec<[f32; 3]> = canopy.cells.iter().map(|cell| guessed(cell, atmosphere)).collect();
+        for _ in 0..ROUNDS {
+            let sent: Vec<[f32; 3]> = canopy
+                .cells
+                .iter()
+                .zip(&beams)
+                .zip(&mean)
+                .map(|((cell, beam), mean)| sent(cell, beam, strength, mean))
+                .collect();
+            canopy.ambient = canopy.gathered(atmosphere, &sent);
+            mean = canopy.ambient.iter().map(|ambient| ambient.mean).collect();
+        }
+        for (ambient, beam) in canopy.ambient.iter_mut().zip(&beams) {
+            // A narrow beam counts as its irradiance over 4 pi of the sphere's mean radiance.
+            let through = std::array::from_fn(|k| strength[k] * beam.through[k] / (4.0 * PI));
+            ambient.add(frame.sun.direction, through, 1.0);
+        }
         Some(canopy)
     }
 
@@ -79,7 +107,7 @@ impl Canopy {
         let counts = ((high - low) / size).map(|cells| cells.ceil() as usize + 3);
         let counts = [counts.x, counts.y, counts.z];
         let cells = vec![Cell::default(); counts.iter().product()];
-        Some(Self { low, size, counts, cells, passed: Vec::new(), ambient: Vec::new() })
+        Some(Self { low, size, counts, cells, ambient: Vec::new() })
     }
 
     fn fill(&mut self, frame: &Frame, meshes: &[Arc<ClusteredMesh>], textures: &[Arc<MipMap>]) {
@@ -95,22 +123,36 @@ impl Canopy {
                 self.splat(instance.transform.point(middle), density, scattering, transmission);
             }
         }
-        for cell in self.cells.iter_mut().filter(|cell| cell.density > 0.0) {
-            cell.scattering = cell.scattering.map(|s| s / cell.density);
-            cell.transmission = cell.transmission.map(|t| t / cell.density);
+        let mut all = Cell::default();
+        for cell in &self.cells {
+            all.coloured += cell.coloured;
+            for k in 0..3 {
+                all.scattering[k] += cell.scattering[k];
+                all.transmission[k] += cell.transmission[k];
+            }
+        }
+        for cell in &mut self.cells {
+            // A cell that has only a share of its neighbours' leaves takes the colour of all.
+            let of = if cell.coloured > 0.0 { *cell } else { all };
+            cell.scattering = of.scattering.map(|s| s / of.coloured.max(1e-12));
+            cell.transmission = of.transmission.map(|t| t / of.coloured.max(1e-12));
         }
     }
 
-    /// Spreads a leaf over the eight cells around it.
+    /// Spreads a leaf's area over the eight cells around it; its colour goes to the cell that it lies in.
     fn splat(&mut self, at: Vec3, density: f32, scattering: [f32; 3], transmission: [f32; 3]) {
+        let mut nearest = (0, 0.0);
         for (index, weight) in self.corners(at) {
-            let cell = &mut self.cells[index];
-            let density = density * weight;
-            cell.density += density;
-            for k in 0..3 {
-                cell.scattering[k] += scattering[k] * density;
-                cell.transmission[k] += transmission[k] * density;
+            self.cells[index].density += density * weight;
+            if weight > nearest.1 {
+                nearest = (index, weight);
             }
+        }
+        let cell = &mut self.cells[nearest.0];
+        cell.coloured += density;
+        for k in 0..3 {
+            cell.scattering[k] += scattering[k] * density;
+            cell.transmission[k] += transmission[k] * density;
         }
     }
 
@@ -154,74 +196,79 @@ impl Canopy {
         (0..longest).map(point).take_while(|point| point.y >= 0.0).map_while(|point| self.cell_at(point))
     }
 
-    /// Optical depth from a point towards the sun: in all, and of what leaves take out by not letting it through.
-    fn sun_depth(&self, from: Vec3, sun: Vec3) -> (f32, [f32; 3]) {
+    /// The sun's beam at a cell.
+    fn beam(&self, cell: usize, frame: &Frame) -> Beam {
         let mut depth = 0.0;
         let mut coloured = [0.0f32; 3];
-        for index in self.cells_along(from, sun) {
+        for index in self.cells_along(self.centre(cell), frame.sun.direction) {
             let cell = &self.cells[index];
-            let step = PROJECTION * cell.density * self.size;
-            depth += step;
-            for k in 0..3 {
-                coloured[k] += step * (1.0 - cell.transmission[k]);
-            }
-        }
-        (depth, coloured)
-    }
-
-    /// One round of gathering at every cell, with the ambient light of the round before.
-    fn gather(&self, frame: &Frame, atmosphere: &Atmosphere, before: &[Ambient]) -> Vec<Ambient> {
-        let sun = frame.sun.direction;
-        let strength = frame.sun.irradiance.map(|e| e * atmosphere.sun_share());
-        let beams: Vec<(f32, [f32; 3])> =
-            (0..self.cells.len()).into_par_iter().map(|index| self.sun_depth(self.centre(index), sun)).collect();
-        // What the leaves of each cell send on: the beam meets half of their area, each side sends half of what is
-        // scattered; ambient light is scattered as if it came evenly.
-        let sent: Vec<[f32; 3]> = (0..self.cells.len())
-            .map(|index| {
-                let cell = &self.cells[index];
-                std::array::from_fn(|k| {
-                    let beam = strength[k] * expf(-beams[index].1[k]) * 0.25 / PI;
-                    cell.scattering[k] * (beam + before[index].mean[k])
-                })
-            })
-            .collect();
-        (0..self.cells.len())
-            .into_par_iter()
-            .map(|index| {
-                let mut ambient = Ambient::default();
-                for (direction, share) in directions() {
-                    ambient.add(direction, self.along(self.centre(index), direction, atmosphere, &sent), share);
-                }
-                let (depth, coloured) = beams[index];
-                // The sun's light that has come through leaves: a narrow beam counts as its irradiance over 4 pi of the
-                // sphere's mean radiance.
-                let through: [f32; 3] =
-                    std::array::from_fn(|k| strength[k] * (expf(-coloured[k]) - expf(-depth)).max(0.0));
-                ambient.add(sun, through.map(|e| e / (4.0 * PI)), 1.0);
-                ambient
-            })
-            .collect()
-    }
-
-    fn along(&self, from: Vec3, direction: Vec3, atmosphere: &Atmosphere, sent: &[[f32; 3]]) -> [f32; 3] {
-        let mut clear = 1.0f32;
-        let mut light = [0.0f32; 3];
-        for index in self.cells_along(from, direction) {
-            let passed = self.passed[index];
-            if passed < 1.0 {
-                let met = clear * (1.0 - passed);
+            if cell.density > 0.0 {
+                let step = PROJECTION * cell.density * self.size;
+                depth += step;
                 for k in 0..3 {
-                    light[k] += met * sent[index][k];
-                }
-                clear *= passed;
-                if clear < 1e-3 {
-                    return light;
+                    coloured[k] += step * (1.0 - cell.transmission[k]);
                 }
             }
         }
-        let beyond = atmosphere.radiance(direction);
-        std::array::from_fn(|k| light[k] + clear * beyond[k])
+        let all = coloured.map(|c| expf(-c));
+        let straight = expf(-depth);
+        Beam { all, through: all.map(|all| (all - straight).max(0.0)) }
+    }
+
+    /// The light that comes to every cell along all directions, given what the leaves of each send on.
+    fn gathered(&self, atmosphere: &Atmosphere, sent: &[[f32; 3]]) -> Vec<Ambient> {
+        let mut ambient = vec![Ambient::default(); self.cells.len()];
+        let directions: Vec<([i32; 3], (Vec3, f32))> = steps().zip(directions()).collect();
+        // Half of a cell's leaves, along a step to a face, an edge and a corner.
+        let halves: Vec<[f32; 3]> = self.cells.iter().map(|cell| half_passed(cell.density * self.size)).collect();
+        for some in directions.chunks(TOGETHER) {
+            let swept: Vec<Vec<[f32; 3]>> = some
+                .par_iter()
+                .map(|(step, (d, _))| self.swept(*step, atmosphere.radiance(*d), &halves, sent))
+                .collect();
+            ambient.par_iter_mut().enumerate().for_each(|(cell, ambient)| {
+                for ((_, (direction, share)), light) in some.iter().zip(&swept) {
+                    ambient.add(*direction, light[cell], *share);
+                }
+            });
+        }
+        ambient
+    }
+
+    /// The light that comes to every cell from one side, where `beyond` comes from outside: cell by cell away from it.
+    fn swept(&self, step: [i32; 3], beyond: [f32; 3], halves: &[[f32; 3]], sent: &[[f32; 3]]) -> Vec<[f32; 3]> {
+        let mut light = vec![beyond; self.cells.len()];
+        let length = step.iter().map(|s| s.unsigned_abs() as usize).sum::<usize>() - 1;
+        let places = |k: usize| -> Vec<usize> {
+            let count = self.counts[k];
+            let first = usize::from(step[k] < 0);
+            let last = if step[k] > 0 { count - 1 } else { count };
+            // What lies towards the light comes first.
+            if step[k] > 0 { (first..last).rev().collect() } else { (first..last).collect() }
+        };
+        let [columns, rows, layers] = [places(0), places(1), places(2)];
+        let strides = [1, self.counts[0] as isize, (self.counts[0] * self.counts[1]) as isize];
+        let offset: isize = (0..3).map(|k| step[k] as isize * strides[k]).sum();
+        // Below the ground nothing is met: what the ground sends comes from there.
+        let ground = (-self.low.y / self.size) as usize;
+        for &z in &layers {
+            for &y in rows.iter().filter(|&&y| y.saturating_add_signed(step[1] as isize) >= ground) {
+                for &x in &columns {
+                    let cell = self.index([x, y, z]);
+                    let before = cell.wrapping_add_signed(offset);
+                    let (near, far) = (halves[cell][length], halves[before][length]);
+                    if near == 1.0 && far == 1.0 {
+                        light[cell] = light[before];
+                        continue;
+                    }
+                    light[cell] = std::array::from_fn(|k| {
+                        let come = light[before][k] * far + (1.0 - far) * sent[before][k];
+                        come * near + (1.0 - near) * sent[cell][k]
+                    });
+                }
+            }
+        }
+        light
     }
 
     /// Side of the cells that the light is gathered in, metres.
@@ -248,6 +295,28 @@ impl Canopy {
         let gap = (self.low - at).sup(&(at - high)).sup(&Vec3::zeros());
         gap.norm()
     }
+}
+
+/// What the leaves of a cell send on: the beam meets half of their area, each side sends half of what is scattered; light from
+/// all sides is scattered as if it came evenly.
+fn sent(cell: &Cell, beam: &Beam, strength: [f32; 3], mean: &[f32; 3]) -> [f32; 3] {
+    std::array::from_fn(|k| cell.scattering[k] * (strength[k] * beam.all[k] * 0.25 / PI + mean[k]))
+}
+
+/// The light that scattering starts from: none for dark leaves; leaves that scatter all light leave it as it is in the open.
+fn guessed(cell: &Cell, atmosphere: &Atmosphere) -> [f32; 3] {
+    std::array::from_fn(|k| {
+        let scattered = cell.scattering[k];
+        scattered * scattered * scattered * atmosphere.open.mean[k]
+    })
+}
+
+/// Share of light that passes half of a cell of this depth on the way to a face, an edge and a corner.
+fn half_passed(depth: f32) -> [f32; 3] {
+    if depth <= 0.0 {
+        return [1.0; 3];
+    }
+    [1.0f32, 2.0, 3.0].map(|squared| expf(-0.5 * PROJECTION * depth * squared.sqrt()))
 }
 
 /// The longest side of the largest tree, metres, where several pieces of wood stand; `None` for a tree by itself.
@@ -283,4 +352,64 @@ fn mean_optics(material: &Material, textures: &[Arc<MipMap>]) -> ([f32; 3], [f32
     let reflected = mean(material.colour, material.reflected);
     let transmitted = mean(material.transmission, material.transmitted);
     (std::array::from_fn(|k| reflected[k] + transmitted[k]), transmitted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A cube of foliage of a density in a volume of cells half a metre wide.
+    fn canopy(density: f32, scattering: f32) -> Canopy {
+        let counts = [17usize; 3];
+        let low = Vec3::new(-4.25, 2.0, -4.25);
+        let mut canopy =
+            Canopy { low, size: 0.5, counts, cells: vec![Cell::default(); 17 * 17 * 17], ambient: Vec::new() };
+        for (x, (y, z)) in (3..14).flat_map(|x| (3..14).flat_map(move |y| (3..14).map(move |z| (x, (y, z))))) {
+            let index = canopy.index([x, y, z]);
+            canopy.cells[index] =
+                Cell { density, coloured: density, scattering: [scattering; 3], transmission: [0.0; 3] };
+        }
+        canopy
+    }
+
+    fn even() -> Atmosphere {
+        Atmosphere::even([1.0; 3])
+    }
+
+    fn middle(canopy: &Canopy) -> usize {
+        canopy.index([8, 8, 8])
+    }
+
+    #[test]
+    fn leaves_that_scatter_all_light_are_lost_in_an_even_sky() {
+        // A white furnace: radiance 1 from everywhere, outside and within.
+        let canopy = canopy(2.0, 1.0);
+        let sent: Vec<[f32; 3]> = canopy.cells.iter().map(|cell| guessed(cell, &even())).collect();
+        for ambient in canopy.gathered(&even(), &sent) {
+            assert!((ambient.mean[1] - 1.0).abs() < 1e-4 && ambient.lean[1].norm() < 1e-4, "{ambient:?}");
+        }
+    }
+
+    #[test]
+    fn black_leaves_dim_an_even_sky_by_the_law_of_beer_and_lambert() {
+        let canopy = canopy(0.8, 0.0);
+        let dark = vec![[0.0; 3]; canopy.cells.len()];
+        let found = canopy.gathered(&even(), &dark)[middle(&canopy)].mean[0];
+        // From the middle of a cube of 11 cells there are 5.5 to a face, an edge or a corner, each longer than the last.
+        let way = |squared: f32| expf(-PROJECTION * 0.8 * 0.5 * 5.5 * squared.sqrt());
+        let expected = 6.0 / 21.0 * way(1.0) + 12.0 * 4.0 / 105.0 * way(2.0) + 8.0 * 9.0 / 280.0 * way(3.0);
+        assert!((found / expected - 1.0).abs() < 0.02, "{found} {expected}");
+    }
+
+    #[test]
+    fn light_inside_is_symmetric_and_falls_inwards() {
+        let canopy = canopy(1.5, 0.2);
+        let dark = vec![[0.0; 3]; canopy.cells.len()];
+        let ambient = canopy.gathered(&even(), &dark);
+        let at = |x, y, z| ambient[canopy.index([x, y, z])].mean[0];
+        for (a, b) in [(at(4, 8, 8), at(12, 8, 8)), (at(4, 8, 8), at(8, 8, 4)), (at(5, 6, 8), at(8, 10, 5))] {
+            assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
+        }
+        assert!(at(3, 8, 8) > at(5, 8, 8) && at(5, 8, 8) > at(8, 8, 8));
+    }
 }

@@ -5,7 +5,7 @@ use crate::base::vector::Vec3;
 
 /// Pixels from the upper left corner beyond which triangles are cut: wider than any picture, and small enough that the
 /// products of fixed-point coordinates stay far below 2^63.
-const GUARD: f32 = 2_000_000.0;
+pub(super) const GUARD: f32 = 2_000_000.0;
 
 /// The signed distances of a mapped point (x w, y w, w) that must not be negative: between the near and the far plane,
 /// inside the guard band on four sides.
@@ -19,6 +19,13 @@ fn distances(point: Vec3, near: f32, far: f32) -> [f32; 6] {
 #[inline(always)]
 pub(super) fn is_inside(point: Vec3, near: f32, far: f32) -> bool {
     distances(point, near, far).iter().all(|&distance| distance >= 0.0)
+}
+
+/// Whether the corners of a triangle lie beyond one of the planes, all of them.
+#[inline(always)]
+pub(super) fn is_outside(triangle: &[Vec3; 3], near: f32, far: f32) -> bool {
+    let distances = triangle.map(|point| distances(point, near, far));
+    (0..6).any(|plane| distances.iter().all(|distances| distances[plane] < 0.0))
 }
 
 /// The part of a triangle of mapped points that lies inside, as a convex polygon; empty when nothing does.
@@ -59,6 +66,8 @@ mod tests {
         assert_eq!(polygon.len(), 4);
         assert!(polygon.iter().all(|p| p.z >= 0.05 * 0.999));
         assert!(clipped([Vec3::new(0.0, 0.0, -1.0); 3], 0.05, 9.0).is_empty());
-        assert!(clipped(triangle.map(|p| p + Vec3::z() * 20.0), 0.05, 9.0).is_empty());
+        let beyond = triangle.map(|p| p + Vec3::z() * 20.0);
+        assert!(clipped(beyond, 0.05, 9.0).is_empty() && is_outside(&beyond, 0.05, 9.0));
+        assert!(!is_outside(&triangle, 0.05, 9.0));
     }
 }

@@ -9,6 +9,9 @@ const LARGEST: usize = 512;
 /// Triangles of a cluster of a larger mesh: a few centimetres of a branch.
 const USUAL: usize = 96;
 
+/// Vertices that are transformed at once.
+pub(super) const LANES: usize = 8;
+
 /// Some triangles of a mesh with the vertices they use.
 #[derive(Clone, Debug)]
 pub(super) struct Cluster {
@@ -18,6 +21,8 @@ pub(super) struct Cluster {
     pub radius: f32,
     /// Positions of the vertices that are used, model coordinates.
     pub positions: Vec<Vec3>,
+    /// The same by coordinates, in whole groups of `LANES`; the last position fills the last group up.
+    pub coordinates: [Vec<f32>; 3],
     /// Their unit normals.
     pub normals: Vec<Vec3>,
     /// Their texture coordinates.
@@ -101,9 +106,16 @@ fn cut(mesh: &Mesh, triangles: &[[u32; 3]]) -> Cluster {
     let (low, high) = positions.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
     let centre = (low + high) * 0.5;
     let radius = positions.iter().map(|p| (p - centre).norm()).fold(0.0, f32::max);
+    let padded = positions.len().next_multiple_of(LANES);
+    let last = positions.last().copied().unwrap_or_default();
+    let coordinates = [0, 1, 2].map(|axis| {
+        let mut values: Vec<f32> = positions.iter().map(|position| position[axis]).collect();
+        values.resize(padded, last[axis]);
+        values
+    });
     let normals = vertices.iter().map(|&v| mesh.normals[v as usize]).collect();
     let uvs = vertices.iter().map(|&v| mesh.uvs[v as usize]).collect();
-    Cluster { centre, radius, positions, normals, uvs, triangles: local }
+    Cluster { centre, radius, positions, coordinates, normals, uvs, triangles: local }
 }
 
 #[cfg(test)]

@@ -1,14 +1,15 @@
 //! Which samples of a tile a triangle owns, and which of them it wins by depth.
 
+use super::contest::Pixel;
 use super::samples::{SUBPIXEL, SUBPIXEL_BITS, pattern};
+use super::setup::{EdgeValue, Edges, Plane};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, i32x8, u32x8};
-use std::ops::BitOr;
 
 /// Pixels along one side of a tile.
 pub(super) const SIDE: usize = 64;
 /// Pixels along one side of a block, the unit of depth rejection.
-const BLOCK: usize = 8;
+pub(super) const BLOCK: usize = 8;
 /// Blocks along one side of a tile.
 const BLOCKS: usize = SIDE / BLOCK;
 /// Widest triangle, in pixels, whose edge values fit 32 bits: 2 x (64 x 256) x (65 x 256) < 2^31.
@@ -55,123 +56,6 @@ pub(super) struct Nearest<const S: usize> {
     /// The smallest nearness in each block, when its bit in `stale` is clear.
     farthest: [f32; BLOCKS * BLOCKS],
     stale: u64,
-}
-
-/// An integer wide enough for a triangle's edge values. Its operations wrap, since checks for overflow keep loops from being
-/// vectorised; `Nearest::draw` picks a type in which nothing wraps.
-trait EdgeValue: Copy + BitOr<Output = Self> {
-    /// The samples of a pixel that are inside all edges and nearer than what stood there change hands; says whether any did.
-    fn contest<W: Simd, const S: usize>(
-        simd: W,
-        pixel: Pixel<'_, S>,
-        edges: &Edges<Self, S>,
-        at: [Self; 3],
-        plane: &Plane<S>,
-        nearness: f32,
-        owner: u32,
-    ) -> bool;
-    fn from_i32(value: i32) -> Self;
-    fn plus(self, other: Self) -> Self;
-    fn minus(self, other: Self) -> Self;
-    fn times(self, other: Self) -> Self;
-    fn is_negative(self) -> bool;
-}
-
-macro_rules! edge_value {
-    ($integer:ty, $lanes:expr) => {
-        impl EdgeValue for $integer {
-            #[inline(always)]
-            fn contest<W: Simd, const S: usize>(
-                simd: W,
-                mut pixel: Pixel<'_, S>,
-                edges: &Edges<Self, S>,
-                at: [Self; 3],
-                plane: &Plane<S>,
-                nearness: f32,
-                owner: u32,
-            ) -> bool {
-                $lanes(simd, &mut pixel, edges, at, plane, nearness, owner)
-            }
-            #[inline(always)]
-            fn from_i32(value: i32) -> Self {
-                Self::from(value)
-            }
-            #[inline(always)]
-            fn plus(self, other: Self) -> Self {
-                self.wrapping_add(other)
-            }
-            #[inline(always)]
-            fn minus(self, other: Self) -> Self {
-                self.wrapping_sub(other)
-            }
-            #[inline(always)]
-            fn times(self, other: Self) -> Self {
-                self.wrapping_mul(other)
-            }
-            #[inline(always)]
-            fn is_negative(self) -> bool {
-                self < 0
-            }
-        }
-    };
-}
-
-edge_value!(i32, contest_in_lanes);
-edge_value!(i64, contest_one_by_one);
-
-#[inline(always)]
-fn contest_in_lanes<W: Simd, const S: usize>(
-    simd: W,
-    pixel: &mut Pixel<'_, S>,
-    edges: &Edges<i32, S>,
-    at: [i32; 3],
-    plane: &Plane<S>,
-    nearness: f32,
-    owner: u32,
-) -> bool {
-    if S < 8 {
-        return contest_one_by_one(simd, pixel, edges, at, plane, nearness, owner);
-    }
-    let mut won = false;
-    for from in (0..S).step_by(8) {
-        won |= contest_eight(simd, from, pixel, edges, at, plane, nearness, owner);
-    }
-    won
-}
-
-#[inline(always)]
-fn contest_one_by_one<W: Simd, E: EdgeValue, const S: usize>(
-    _: W,
-    pixel: &mut Pixel<'_, S>,
-    edges: &Edges<E, S>,
-    at: [E; 3],
-    plane: &Plane<S>,
-    nearness: f32,
-    owner: u32,
-) -> bool {
-    let mut won = false;
-    for s in 0..S {
-        won |= contest_sample(s, pixel, edges, at, plane, nearness, owner);
-    }
-    won
-}
-
-/// The triangle's edges as functions that are not negative inside, at one pixel's corner, with their steps.
-struct Edges<E, const S: usize> {
-    at: [E; 3],
-    right: [E; 3],
-    down: [E; 3],
-    samples: [[E; S]; 3],
-}
-
-/// The nearness over the triangle's plane.
-struct Plane<const S: usize> {
-    at: f32,
-    right: f32,
-    down: f32,
-    samples: [f32; S],
-    low: f32,
-    high: f32,
 }
 
 /// The widest rim of a pixel in which no sample lies.
@@ -290,61 +174,65 @@ impl<const S: usize> Nearest<S> {
         if self.is_known_to_hide(bounds, high) {
             return false;
         }
-        let plane = self.plane(&positive, doubled_area.abs() as f32, bounds);
         let narrow = NARROW * SUBPIXEL;
-        if high_x.wrapping_sub(low_x) <= narrow && high_y.wrapping_sub(low_y) <= narrow {
+        let is_narrow = high_x.wrapping_sub(low_x) <= narrow && high_y.wrapping_sub(low_y) <= narrow;
+        if is_narrow && S == 1 {
+            self.contest_rows(simd, &positive, bounds, owner, doubled_area.abs() as f32)
+        } else if is_narrow {
+            let plane = Plane::new(&positive, doubled_area.abs() as f32, &self.pattern, [bounds[0], bounds[1]]);
             self.contest_pixels::<W, i32>(simd, &positive, &plane, bounds, owner)
         } else {
+            let plane = Plane::new(&positive, doubled_area.abs() as f32, &self.pattern, [bounds[0], bounds[1]]);
             self.contest_pixels::<W, i64>(simd, &positive, &plane, bounds, owner)
         }
     }
 
+    /// Eight pixels of one sample at once: what lies beside the box fails at the edges.
     #[inline(always)]
-    fn plane(&self, [a, b, c]: &[Vertex; 3], doubled_area: f32, bounds: [usize; 4]) -> Plane<S> {
-        let (bx, by) = (b.x.wrapping_sub(a.x) as f32, b.y.wrapping_sub(a.y) as f32);
-        let (cx, cy) = (c.x.wrapping_sub(a.x) as f32, c.y.wrapping_sub(a.y) as f32);
-        let (bz, cz) = (b.nearness - a.nearness, c.nearness - a.nearness);
-        let share = 1.0 / doubled_area;
-        let right = (bz * cy - cz * by) * share;
-        let down = (cz * bx - bz * cx) * share;
-        let x = (bounds[0] as i32 * SUBPIXEL).wrapping_sub(a.x);
-        let y = (bounds[1] as i32 * SUBPIXEL).wrapping_sub(a.y);
-        let mut samples = [0.0; S];
-        for s in 0..S {
-            samples[s] = right * self.pattern[0][s] as f32 + down * self.pattern[1][s] as f32;
-        }
-        Plane {
-            at: a.nearness + right * x as f32 + down * y as f32,
-            right: right * SUBPIXEL as f32,
-            down: down * SUBPIXEL as f32,
-            samples,
-            low: a.nearness.min(b.nearness).min(c.nearness),
-            high: a.nearness.max(b.nearness).max(c.nearness),
-        }
-    }
-
-    #[inline(always)]
-    fn edges<E: EdgeValue>(&self, triangle: &[Vertex; 3], bounds: [usize; 4]) -> Edges<E, S> {
-        let zero = E::from_i32(0);
-        let mut edges = Edges { at: [zero; 3], right: [zero; 3], down: [zero; 3], samples: [[zero; S]; 3] };
-        for k in 0..3 {
-            let (from, to) = (triangle[k], triangle[(k + 1) % 3]);
-            let (dx, dy) = (to.x.wrapping_sub(from.x), to.y.wrapping_sub(from.y));
-            // Top-left rule: a sample on an edge belongs to the triangle whose top or left edge it is.
-            let owns = dy < 0 || (dy == 0 && dx > 0);
-            let bias = E::from_i32(i32::from(!owns));
-            let (dx, dy) = (E::from_i32(dx), E::from_i32(dy));
-            let x = E::from_i32((bounds[0] as i32 * SUBPIXEL).wrapping_sub(from.x));
-            let y = E::from_i32((bounds[1] as i32 * SUBPIXEL).wrapping_sub(from.y));
-            edges.at[k] = dx.times(y).minus(dy.times(x)).minus(bias);
-            edges.right[k] = zero.minus(dy.times(E::from_i32(SUBPIXEL)));
-            edges.down[k] = dx.times(E::from_i32(SUBPIXEL));
-            for s in 0..S {
-                let [sx, sy] = [0, 1].map(|axis| E::from_i32(self.pattern[axis][s]));
-                edges.samples[k][s] = dx.times(sy).minus(dy.times(sx));
+    fn contest_rows<W: Simd>(
+        &mut self,
+        simd: W,
+        triangle: &[Vertex; 3],
+        bounds: [usize; 4],
+        owner: u32,
+        doubled_area: f32,
+    ) -> bool {
+        let [left, top, right, bottom] = bounds;
+        let (first, last) = (left / BLOCK, right / BLOCK);
+        let origin = [first * BLOCK, top];
+        let plane = Plane::<S>::new(triangle, doubled_area, &self.pattern, origin);
+        let edges = Edges::<i32, S>::new(triangle, &self.pattern, origin);
+        let steps = i32x8::from_slice(simd, &[0, 1, 2, 3, 4, 5, 6, 7]);
+        let (low, high) = (f32x8::splat(simd, plane.low), f32x8::splat(simd, plane.high));
+        let start = [0, 1, 2].map(|k| steps * edges.right[k] + edges.samples[k][0].wrapping_add(edges.at[k]));
+        let start_nearness = steps.to_float::<f32x8<W>>() * plane.right + (plane.at + plane.samples[0]);
+        let mut won = false;
+        for (row, y) in (top..=bottom).enumerate() {
+            for (column, block) in (first..=last).enumerate() {
+                let edge = |k: usize| {
+                    let right = edges.right[k].wrapping_mul((column * BLOCK) as i32);
+                    start[k] + edges.down[k].wrapping_mul(row as i32).wrapping_add(right)
+                };
+                let outside = edge(0) | edge(1) | edge(2);
+                let value = start_nearness + (plane.right * (column * BLOCK) as f32 + plane.down * row as f32);
+                let value = value.simd_lt(low).select(low, value);
+                let value = value.simd_gt(high).select(high, value);
+                let part = y * SIDE + block * BLOCK..y * SIDE + block * BLOCK + BLOCK;
+                let nearness = &mut self.nearness.as_flattened_mut()[part.clone()];
+                let stored = f32x8::from_slice(simd, nearness);
+                let wins = outside.simd_ge(i32x8::splat(simd, 0)) & value.simd_gt(stored);
+                if !wins.any_true() {
+                    continue;
+                }
+                wins.select(value, stored).store_slice(nearness);
+                let owners = &mut self.owner.as_flattened_mut()[part];
+                let owned = u32x8::from_slice(simd, owners);
+                wins.select(u32x8::splat(simd, owner), owned).store_slice(owners);
+                won = true;
+                self.stale |= 1 << (y / BLOCK * BLOCKS + block);
             }
         }
-        edges
+        won
     }
 
     #[inline(always)]
@@ -356,96 +244,72 @@ impl<const S: usize> Nearest<S> {
         bounds: [usize; 4],
         owner: u32,
     ) -> bool {
-        let edges = self.edges::<E>(triangle, bounds);
+        let edges = Edges::<E, S>::new(triangle, &self.pattern, [bounds[0], bounds[1]]);
         let [left, top, right, bottom] = bounds;
-        let mut row_at = edges.at;
-        let mut row_nearness = plane.at;
+        if right - left < BLOCK && bottom - top < BLOCK {
+            return self.contest_box(simd, &edges, plane, [left, top], bounds, owner);
+        }
+        let mut won = false;
+        for (row, column) in
+            (top / BLOCK..=bottom / BLOCK).flat_map(|row| (left / BLOCK..=right / BLOCK).map(move |c| (row, c)))
+        {
+            let part = [
+                left.max(column * BLOCK),
+                top.max(row * BLOCK),
+                right.min(column * BLOCK + BLOCK - 1),
+                bottom.min(row * BLOCK + BLOCK - 1),
+            ];
+            if self.farthest[row * BLOCKS + column] < plane.high && !edges.leave_out(part, [left, top]) {
+                won |= self.contest_box(simd, &edges, plane, [left, top], part, owner);
+            }
+        }
+        won
+    }
+
+    /// The pixels of a box (left, top, right, bottom; inclusive), for edges and a plane that start at `origin`.
+    #[inline(always)]
+    fn contest_box<W: Simd, E: EdgeValue>(
+        &mut self,
+        simd: W,
+        edges: &Edges<E, S>,
+        plane: &Plane<S>,
+        origin: [usize; 2],
+        [left, top, right, bottom]: [usize; 4],
+        owner: u32,
+    ) -> bool {
         let mut won = false;
         for y in top..=bottom {
-            let mut at = row_at;
-            let mut nearness = row_nearness;
+            let down = (y - origin[1]) as i32;
+            let across = (left - origin[0]) as i32;
+            let mut at = edges.moved(across, down);
+            let mut nearness = plane.at + plane.right * across as f32 + plane.down * down as f32;
             for x in left..=right {
                 let place = y * SIDE + x;
                 let pixel = Pixel { nearness: &mut self.nearness[place], owner: &mut self.owner[place] };
-                if E::contest(simd, pixel, &edges, at, plane, nearness, owner) {
+                if E::contest(simd, pixel, edges, at, plane, nearness, owner) {
                     won = true;
                     self.stale |= 1 << (y / BLOCK * BLOCKS + x / BLOCK);
                 }
                 at = std::array::from_fn(|k| at[k].plus(edges.right[k]));
                 nearness += plane.right;
             }
-            row_at = std::array::from_fn(|k| row_at[k].plus(edges.down[k]));
-            row_nearness += plane.down;
         }
         won
     }
 }
 
-/// The samples of a pixel.
-struct Pixel<'a, const S: usize> {
-    nearness: &'a mut [f32; S],
-    owner: &'a mut [u32; S],
-}
-
-/// Sample `s` of a pixel: if it is inside all edges and nearer than what stood there it changes hands.
-#[inline(always)]
-fn contest_sample<E: EdgeValue, const S: usize>(
-    s: usize,
-    pixel: &mut Pixel<'_, S>,
-    edges: &Edges<E, S>,
-    at: [E; 3],
-    plane: &Plane<S>,
-    nearness: f32,
-    owner: u32,
-) -> bool {
-    let edge = |k: usize| at[k].plus(edges.samples[k][s]);
-    let value = nearness + plane.samples[s];
-    let value = if value < plane.low { plane.low } else { value };
-    let value = if value > plane.high { plane.high } else { value };
-    let wins = !(edge(0) | edge(1) | edge(2)).is_negative() && value > pixel.nearness[s];
-    if wins {
-        pixel.nearness[s] = value;
-        pixel.owner[s] = owner;
-    }
-    wins
-}
-
-/// Samples `from` to `from` + 8 of a pixel at once, with the same operations in the same order as one by one.
-#[inline(always)]
-fn contest_eight<W: Simd, const S: usize>(
-    simd: W,
-    from: usize,
-    pixel: &mut Pixel<'_, S>,
-    edges: &Edges<i32, S>,
-    at: [i32; 3],
-    plane: &Plane<S>,
-    nearness: f32,
-    owner: u32,
-) -> bool {
-    let part = from..from + 8;
-    let edge = |k: usize| i32x8::from_slice(simd, &edges.samples[k][part.clone()]) + i32x8::splat(simd, at[k]);
-    let outside = edge(0) | edge(1) | edge(2);
-    let value = f32x8::from_slice(simd, &plane.samples[part.clone()]) + f32x8::splat(simd, nearness);
-    let (low, high) = (f32x8::splat(simd, plane.low), f32x8::splat(simd, plane.high));
-    let value = value.simd_lt(low).select(low, value);
-    let value = value.simd_gt(high).select(high, value);
-    let stored = f32x8::from_slice(simd, &pixel.nearness[part.clone()]);
-    let wins = outside.simd_ge(i32x8::splat(simd, 0)) & value.simd_gt(stored);
-    if wins.any_false() && !wins.any_true() {
-        return false;
-    }
-    wins.select(value, stored).store_slice(&mut pixel.nearness[part.clone()]);
-    let owners = u32x8::from_slice(simd, &pixel.owner[part.clone()]);
-    wins.select(u32x8::splat(simd, owner), owners).store_slice(&mut pixel.owner[part]);
-    true
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::random::{Purpose, Stream};
+    use fearless_simd::{Level, dispatch};
 
     fn vertex(x: f64, y: f64, nearness: f32) -> Vertex {
         Vertex { x: (x * 256.0) as i32, y: (y * 256.0) as i32, nearness }
+    }
+
+    fn draw<const S: usize>(tile: &mut Nearest<S>, triangle: [Vertex; 3], owner: u32) -> bool {
+        dispatch!(Level::new(), simd => tile.draw(simd, triangle, owner))
     }
 
     fn count<const S: usize>(tile: &Nearest<S>, owner: u32) -> usize {
@@ -460,8 +324,8 @@ mod tests {
         ] {
             let mut tile = Nearest::<8>::new();
             let [a, b, c, d] = [a, b, c, d].map(|(x, y)| vertex(x, y, 1.0));
-            assert!(tile.draw([a, b, c], 1));
-            assert!(tile.draw([a, d, c], 2));
+            assert!(draw(&mut tile, [a, b, c], 1));
+            assert!(draw(&mut tile, [a, d, c], 2));
             let inside = |low: i32, high: i32| {
                 let (low, high) = (low.max(0), high.min(64 * 256));
                 pattern::<8>().len() as i32 * (high - low)
@@ -470,7 +334,7 @@ mod tests {
             let owned = (count(&tile, 1) + count(&tile, 2)) as i64;
             assert!((owned - expected).abs() <= expected / 50, "{owned} of {expected}");
             let before = tile.owner.clone();
-            assert!(!tile.draw([a, b, c], 3) && !tile.draw([a, d, c], 4), "every sample is owned already");
+            assert!(!draw(&mut tile, [a, b, c], 3) && !draw(&mut tile, [a, d, c], 4), "every sample is owned already");
             assert_eq!(before, tile.owner);
         }
     }
@@ -482,7 +346,7 @@ mod tests {
         for order in [[(far, 1), (near, 2)], [(near, 2), (far, 1)]] {
             let mut tile = Nearest::<4>::new();
             for (triangle, owner) in order {
-                tile.draw(triangle, owner);
+                draw(&mut tile, triangle, owner);
             }
             assert_eq!(count(&tile, 1), 0);
             assert!(count(&tile, 2) > 64 * 64);
@@ -492,7 +356,7 @@ mod tests {
     #[test]
     fn area_is_covered_to_a_thousandth() {
         let mut tile = Nearest::<16>::new();
-        tile.draw([vertex(2.3, 1.7, 1.0), vertex(61.1, 12.9, 1.0), vertex(20.4, 60.6, 1.0)], 1);
+        draw(&mut tile, [vertex(2.3, 1.7, 1.0), vertex(61.1, 12.9, 1.0), vertex(20.4, 60.6, 1.0)], 1);
         let area = ((61.1f64 - 2.3) * (60.6 - 1.7) - (20.4 - 2.3) * (12.9 - 1.7)) / 2.0;
         let measured = count(&tile, 1) as f64 / 16.0;
         assert!((measured / area - 1.0).abs() < 1e-3, "{measured} against {area}");
@@ -501,7 +365,7 @@ mod tests {
     #[test]
     fn slanted_planes_interpolate_their_nearness() {
         let mut tile = Nearest::<1>::new();
-        tile.draw([vertex(0.0, 0.0, 0.0), vertex(64.0, 0.0, 64.0), vertex(0.0, 64.0, 0.0)], 1);
+        draw(&mut tile, [vertex(0.0, 0.0, 0.0), vertex(64.0, 0.0, 64.0), vertex(0.0, 64.0, 0.0)], 1);
         let at = tile.nearness[10 * SIDE + 20][0];
         assert!((at - 20.5).abs() < 1e-3, "{at}");
     }
@@ -510,7 +374,7 @@ mod tests {
     fn what_is_behind_a_full_block_is_hidden() {
         let mut tile = Nearest::<8>::new();
         assert!(!tile.hides([0, 0, 15, 15], 1.0));
-        tile.draw([vertex(-70.0, -70.0, 2.0), vertex(90.0, -70.0, 2.0), vertex(-70.0, 90.0, 2.0)], 1);
+        draw(&mut tile, [vertex(-70.0, -70.0, 2.0), vertex(90.0, -70.0, 2.0), vertex(-70.0, 90.0, 2.0)], 1);
         assert!(tile.hides([0, 0, 7, 7], 1.0));
         assert!(!tile.hides([0, 0, 7, 7], 2.5));
         assert!(!tile.hides([0, 0, 63, 63], 1.0), "the far corner is open");
@@ -520,6 +384,69 @@ mod tests {
     fn degenerate_triangles_draw_nothing() {
         let mut tile = Nearest::<8>::new();
         let line = [vertex(1.0, 1.0, 1.0), vertex(9.0, 9.0, 1.0), vertex(5.0, 5.0, 1.0)];
-        assert!(!tile.draw(line, 1));
+        assert!(!draw(&mut tile, line, 1));
+    }
+
+    /// Triangles of all sizes and attitudes, from a fraction of a pixel to more than the tile.
+    fn triangles() -> Vec<[Vertex; 3]> {
+        let mut random = Stream::new(5, Purpose::Surroundings, 0, 0);
+        (0..4000)
+            .map(|number| {
+                let size = [0.4, 3.0, 20.0, 150.0][number % 4];
+                let (x, y) = (random.range(-10.0, 74.0), random.range(-10.0, 74.0));
+                let corner = |random: &mut Stream| {
+                    let place = [x + random.range(0.0, size), y + random.range(0.0, size)];
+                    vertex(place[0], place[1], random.range(0.1, 3.0) as f32)
+                };
+                [corner(&mut random), corner(&mut random), corner(&mut random)]
+            })
+            .collect()
+    }
+
+    fn drawn<const S: usize>(level: Level) -> Nearest<S> {
+        let mut tile = Nearest::<S>::new();
+        tile.clear(&Background { owner: u32::MAX, beyond: u32::MAX, ..Background::default() });
+        for (number, triangle) in triangles().into_iter().enumerate() {
+            dispatch!(level, simd => tile.draw(simd, triangle, number as u32));
+        }
+        tile
+    }
+
+    fn all_widths_agree<const S: usize>() {
+        let (widest, narrow) = (drawn::<S>(Level::new()), drawn::<S>(Level::baseline()));
+        let bits = |tile: &Nearest<S>| tile.nearness.iter().flatten().map(|n| n.to_bits()).collect::<Vec<u32>>();
+        assert_eq!(bits(&widest), bits(&narrow));
+        assert_eq!(widest.owner, narrow.owner);
+    }
+
+    #[test]
+    fn registers_of_any_width_give_the_same_bits() {
+        all_widths_agree::<1>();
+        all_widths_agree::<4>();
+        all_widths_agree::<8>();
+        all_widths_agree::<16>();
+    }
+
+    #[test]
+    fn every_sample_shows_the_nearest_of_all_triangles_that_own_it() {
+        let tile = drawn::<8>(Level::new());
+        let places = pattern::<8>();
+        for (y, x, s) in (0..SIDE).step_by(5).flat_map(|y| (0..SIDE).step_by(3).map(move |x| (y, x, (x + y) % 8))) {
+            let at = [x as i32 * SUBPIXEL + places[s][0], y as i32 * SUBPIXEL + places[s][1]];
+            let best = triangles().iter().filter_map(|t| nearness_at(t, at)).fold(0.0f64, f64::max);
+            let found = f64::from(tile.nearness[y * SIDE + x][s]);
+            assert!((found - best).abs() < 2e-3, "pixel {x} {y}, sample {s}: {found} against {best}");
+        }
+    }
+
+    /// The nearness of a triangle strictly around a place, in exact integers but for the last step.
+    fn nearness_at(triangle: &[Vertex; 3], at: [i32; 2]) -> Option<f64> {
+        let area = doubled_area(triangle);
+        let point = Vertex { x: at[0], y: at[1], nearness: 0.0 };
+        let [a, b, c] = *triangle;
+        let parts = [[point, b, c], [a, point, c], [a, b, point]].map(|part| doubled_area(&part) * area.signum());
+        let inside = area != 0 && parts.iter().all(|&part| part > 0);
+        let weighted = parts.iter().zip([a, b, c]).map(|(&part, corner)| part as f64 * f64::from(corner.nearness));
+        inside.then(|| weighted.sum::<f64>() / area.abs() as f64)
     }
 }

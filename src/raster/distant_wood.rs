@@ -19,12 +19,16 @@ const HILLS: f32 = 34.0;
 const CAUGHT: f32 = 0.72;
 /// How much of a distant crown's colour is that of all leaves of the frame, the rest that of one state.
 const SHARED: f32 = 0.55;
+/// Height of the herbs at the wood's foot, metres, and how many stand around the horizon.
+const HEM: f32 = 0.9;
+const HERBS: u32 = 5200;
 /// Reflectances of bare crowns (linear, judged).
 const BARE: [[f32; 3]; 2] = [[0.105, 0.088, 0.075], [0.150, 0.118, 0.092]];
 /// Tints of the kinds of trees, on the frame's own foliage.
 const TINTS: [[f32; 3]; 3] = [[0.74, 0.86, 0.92], [1.00, 1.00, 1.00], [1.22, 1.10, 0.80]];
 
 /// Reflectance and transmittance of the crowns of a season.
+#[derive(Default)]
 pub(super) struct Palette {
     /// Colours with the share of the crowns that have less of a kind; ascending, the last is 1.
     kinds: Vec<(f32, [f32; 3], [f32; 3])>,
@@ -122,6 +126,9 @@ impl Prepared<'_> {
             return near.1;
         }
         let hills = Lattice::periodic(11, [17, 0]).value(around * 17.0, 0.5) * HILLS;
+        if slope <= 0.0 {
+            return std::array::from_fn(|k| mix(behind[k], near.1[k], near.0));
+        }
         let far = self.row(wood, &look, [wood.distance * FAR, 3.0, hills]);
         let beyond: [f32; 3] = std::array::from_fn(|k| mix(behind[k], far.1[k], far.0));
         std::array::from_fn(|k| mix(beyond[k], near.1[k], near.0))
@@ -130,20 +137,25 @@ impl Prepared<'_> {
     /// Coverage and radiance of a row of trees at a distance, `times` as many repeats around, on ground of a height.
     fn row(&self, wood: &Wood, look: &Look, [distance, times, ground]: [f32; 3]) -> (f32, [f32; 3]) {
         let height = self.projection.eye.y + look.slope * distance - ground;
-        // On rising ground there are crowns below crowns.
-        let height = if ground > 0.0 { height.max(0.3 * wood.height) } else { height };
+        // On rising ground there are crowns below crowns: bands of them, each beside the last.
+        let band = if ground > 0.0 { (0.5 - height / wood.height).max(0.0) * 4.0 } else { 0.0 };
+        let height = if ground > 0.0 { height.max(wood.height * (0.5 - 0.25 * band.fract())) } else { height };
         if height > wood.height || height < 0.0 {
             return (0.0, [0.0; 3]);
         }
         // The textures repeat up as well: their rims are kept out of sight.
         let down = (1.0 - height / wood.height).clamp(0.03, 0.994);
-        let uv = Vec2::new(look.around * wood.repeats as f32 * times + 0.37 * times, down);
+        let uv = Vec2::new(look.around * wood.repeats as f32 * times + 0.37 * (times + band.floor()), down);
         let tall = look.pixel * distance / wood.height;
         // The texture's own width to height, since a footprint is one number for both.
         let wide = look.pixel / (2.0 * PI) * wood.repeats as f32 * times;
         let footprint = (tall * wide).sqrt();
         let [covered, right, up] = self.textures[wood.form as usize].sample(uv, footprint);
-        let covered = smooth_step(0.12, 0.88, covered) * if self.atmosphere.wood.is_bare { 0.8 } else { 1.0 };
+        // Tall herbs stand before its foot.
+        let hem = HEM * Lattice::periodic(31, [HERBS, 0]).value(look.around * HERBS as f32, 0.5);
+        let blur = look.pixel * distance;
+        let free = if ground > 0.0 { 1.0 } else { smooth_step(hem - blur, hem + blur, height) };
+        let covered = free * smooth_step(0.12, 0.88, covered) * if self.atmosphere.wood.is_bare { 0.8 } else { 1.0 };
         if covered <= 0.0 {
             return (0.0, [0.0; 3]);
         }
@@ -156,7 +168,7 @@ impl Prepared<'_> {
         let cosine = normal.dot(&self.frame.sun.direction);
         // Leaves lie all ways under a crown's surface, so the light goes around it a little; from behind it comes through.
         let front = (0.8 * cosine + 0.2).max(0.0) * light;
-        let through = (0.5 - 0.5 * cosine) * thin * light;
+        let through = 0.3 * (0.5 - 0.5 * cosine) * thin * light;
         let sun = self.frame.sun.irradiance.map(|e| e * self.atmosphere.sun_share());
         let ambient = self.atmosphere.open.irradiance(normal);
         let lit = std::array::from_fn(|k| {

@@ -1,19 +1,20 @@
 //! One cluster drawn into one tile: transform, cut where needed, decide coverage.
 
 use super::bins::Item;
-use super::clip::{clipped, is_inside};
-use super::cluster::Cluster;
+use super::clip::{clipped, is_inside, is_outside};
+use super::cluster::{Cluster, LANES};
 use super::coverage::{Nearest, SIDE, Vertex, doubled_area};
 use super::projection::{Lens, Projection, Screen};
 use super::samples::SUBPIXEL;
 use crate::base::vector::{Affine, Vec3};
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch, f32x8, i32x8};
 
 /// Buffers that a tile uses again for every cluster.
 #[derive(Default)]
 pub(super) struct Scratch {
     mapped: Vec<Vec3>,
-    vertices: Vec<Vertex>,
+    corners: Corners,
     /// Places in the cluster of the triangles that won a sample, in the order of drawing.
     pub won: Vec<u16>,
 }
@@ -59,6 +60,8 @@ pub(super) struct Placed<'a> {
     pub cluster: &'a Cluster,
     /// Whether triangles are drawn that turn their backs.
     pub two_sided: bool,
+    /// Whether nothing of it needs to be cut off.
+    pub is_whole: bool,
 }
 
 /// Draws a cluster, with the widest registers that the processor has. Triangles that win a sample are listed in
@@ -85,30 +88,81 @@ fn compute<W: Simd, const S: usize>(
     corner: Corner,
     first_owner: u32,
 ) {
-    let Placed { projection, map, cluster, two_sided } = placed;
-    let (near, far) = (projection.near, projection.far);
-    let Scratch { mapped, vertices, won } = scratch;
-    won.clear();
-    mapped.clear();
-    let mut whole = true;
-    for position in &cluster.positions {
-        let point = map.point(*position);
-        whole &= projection.lens == Lens::Parallel || is_inside(point, near, far);
-        mapped.push(point);
-    }
-    if whole {
-        vertices.clear();
-        vertices.extend(mapped.iter().map(|&point| corner.vertex(projection.screen(point))));
+    let Placed { projection, map, cluster, two_sided, is_whole } = placed;
+    scratch.won.clear();
+    if is_whole {
+        scratch.corners.place(simd, projection, map, cluster, corner);
+        let Scratch { corners, won, .. } = scratch;
         for (number, triangle) in cluster.triangles.iter().enumerate() {
-            contest(simd, nearest, won, triangle.map(|v| vertices[usize::from(v)]), (number, first_owner), two_sided);
+            let vertices = triangle.map(|v| corners.vertex(usize::from(v)));
+            contest(simd, nearest, won, vertices, (number, first_owner), two_sided);
         }
         return;
     }
+    let (near, far) = (projection.near, projection.far);
+    let Scratch { mapped, won, .. } = scratch;
+    mapped.clear();
+    mapped.extend(cluster.positions.iter().map(|&position| map.point(position)));
     for (number, triangle) in cluster.triangles.iter().enumerate() {
-        let polygon = clipped(triangle.map(|v| mapped[usize::from(v)]), near, far);
+        let corners = triangle.map(|v| mapped[usize::from(v)]);
+        if corners.iter().all(|&p| is_inside(p, near, far)) {
+            let vertices = corners.map(|p| corner.vertex(projection.screen(p)));
+            contest(simd, nearest, won, vertices, (number, first_owner), two_sided);
+            continue;
+        }
+        if is_outside(&corners, near, far) {
+            continue;
+        }
+        let polygon = clipped(corners, near, far);
         for k in 1..polygon.len().saturating_sub(1) {
             let part = [polygon[0], polygon[k], polygon[k + 1]].map(|p| corner.vertex(projection.screen(p)));
             contest(simd, nearest, won, part, (number, first_owner), two_sided);
+        }
+    }
+}
+
+/// The vertices of a cluster where they lie in a tile, coordinate by coordinate.
+#[derive(Default)]
+struct Corners {
+    x: Vec<i32>,
+    y: Vec<i32>,
+    nearness: Vec<f32>,
+}
+
+impl Corners {
+    #[inline(always)]
+    fn vertex(&self, number: usize) -> Vertex {
+        Vertex { x: self.x[number], y: self.y[number], nearness: self.nearness[number] }
+    }
+
+    /// Maps a cluster that needs no cutting, eight vertices at once, with the operations of `Corner::vertex`.
+    #[inline(always)]
+    fn place<W: Simd>(&mut self, simd: W, view: &Projection, map: &Affine, cluster: &Cluster, corner: Corner) {
+        let count = cluster.coordinates[0].len();
+        self.x.resize(count, 0);
+        self.y.resize(count, 0);
+        self.nearness.resize(count, 0.0);
+        let [[a, b, c], [d, e, f], [g, h, i]] = map.linear.data.0;
+        let [t, u, v]: [f32; 3] = map.translation.into();
+        let fixed = |pixels: f32x8<W>, corner: usize| {
+            let floor = (pixels * SUBPIXEL as f32 + 0.5).floor().to_int::<i32x8<W>>();
+            floor - i32x8::splat(simd, (corner as i32).wrapping_mul(SUBPIXEL))
+        };
+        for from in (0..count).step_by(LANES) {
+            let [x, y, z] = [0, 1, 2].map(|k| f32x8::from_slice(simd, &cluster.coordinates[k][from..from + LANES]));
+            let across = x * a + y * d + z * g + t;
+            let down = x * b + y * e + z * h + u;
+            let ahead = x * c + y * f + z * i + v;
+            let (across, down, nearness) = match view.lens {
+                Lens::Parallel => (across, down, -ahead),
+                Lens::Perspective => {
+                    let nearness = f32x8::splat(simd, 1.0) / ahead;
+                    (across * nearness, down * nearness, nearness)
+                }
+            };
+            fixed(across, corner.x).store_slice(&mut self.x[from..from + LANES]);
+            fixed(down, corner.y).store_slice(&mut self.y[from..from + LANES]);
+            nearness.store_slice(&mut self.nearness[from..from + LANES]);
         }
     }
 }

@@ -11,16 +11,21 @@
 //! (8 bits below a pixel, top-left rule), so two triangles that share an edge never both miss or both own a sample.
 
 mod atmosphere;
+mod backdrop;
 mod bins;
 mod canopy;
 mod clip;
 mod cluster;
+mod contest;
 mod coverage;
 mod distant_wood;
 mod draw;
+mod even;
+mod metering;
 mod projection;
 mod renderer;
 mod samples;
+mod setup;
 mod shade;
 mod shadow;
 mod simplify;
@@ -73,6 +78,10 @@ impl Renderer {
     /// was drawn before changes nothing but the time that it takes.
     #[must_use]
     pub fn draw(&mut self, frame: &Frame) -> (Picture, Figures) {
+        if frame.view.metered {
+            let metered = metering::metered(frame, self);
+            return self.draw(&metered);
+        }
         let view = frame.view;
         let meshes = self.meshes(frame);
         let projection = Projection::camera(&frame.camera, view.width, view.height);

@@ -1,5 +1,6 @@
 //! From world coordinates to pixels, for a camera and for the sun.
 
+use super::clip::GUARD;
 use crate::base::maths::tanf;
 use crate::base::vector::{Affine, Mat3, Vec3};
 use crate::frame::Camera;
@@ -107,6 +108,21 @@ impl Projection {
         match self.lens {
             Lens::Perspective => ((centre - self.eye).norm() - radius).max(0.0) / self.pixels_per_metre,
             Lens::Parallel => 1.0 / self.pixels_per_metre,
+        }
+    }
+
+    /// Whether all of a sphere lies where nothing is cut off.
+    pub(super) fn holds(&self, centre: Vec3, radius: f32) -> bool {
+        if self.lens == Lens::Parallel {
+            return true;
+        }
+        // Rounding of the mapped points is far below a thousandth of what lies this near.
+        let ahead = self.map.point(centre).z;
+        let near_enough = radius + 0.001 * ahead.abs();
+        let farthest = (ahead - near_enough, ahead + near_enough);
+        farthest.0 > self.near && farthest.1 < self.far && {
+            let reach = (centre - self.eye).norm() + radius;
+            reach * self.pixels_per_metre < farthest.0 * (GUARD - self.centre[0].max(self.centre[1]))
         }
     }
 

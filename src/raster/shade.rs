@@ -14,6 +14,9 @@ use crate::base::vector::{Affine, Vec2, Vec3};
 use crate::frame::Material;
 use std::f32::consts::PI;
 
+/// Size up to which an item is small in the picture, pixels.
+const SMALL: i32 = 48;
+
 /// A point of a surface as the eye sees it.
 struct Point {
     position: Vec3,
@@ -40,9 +43,14 @@ impl Prepared<'_> {
         self.canopy.as_ref().map_or(f32::INFINITY, |canopy| canopy.cell_size() * 0.5)
     }
 
+    /// The share of the sun's disc that a point sees past what stands before it.
+    pub(super) fn shade(&self, point: Vec3, normal: Vec3, salt: u64) -> f32 {
+        self.shadow.as_ref().map_or(1.0, |map| map.lit(point, normal, salt))
+    }
+
     /// The sun's irradiance on a surface that faces it, after shadow.
-    pub(super) fn sun(&self, point: Vec3, normal: Vec3, salt: u64) -> [f32; 3] {
-        let lit = self.shadow.as_ref().map_or(1.0, |map| map.lit(point, normal, salt)) * self.atmosphere.sun_share();
+    fn sun(&self, point: Vec3, normal: Vec3, salt: u64) -> [f32; 3] {
+        let lit = self.shade(point, normal, salt) * self.atmosphere.sun_share();
         self.frame.sun.irradiance.map(|e| e * lit)
     }
 }
@@ -89,6 +97,22 @@ fn ambient(prepared: &Prepared, item: &Item, visible: &mut Visible, point: &Poin
         return prepared.ambient(point.position);
     }
     *visible.ambient.get_or_insert_with(|| prepared.ambient(instance.transform.point(cluster.centre)))
+}
+
+/// A colour seen through the air before it. Over an item that is small in the picture the air is the same.
+fn through_air(prepared: &Prepared, item: &Item, visible: &mut Visible, point: &Point, colour: [f32; 3]) -> [f32; 3] {
+    let eye = prepared.projection.eye;
+    let [left, top, right, bottom] = item.bounds;
+    if right - left > SMALL || bottom - top > SMALL {
+        return prepared.atmosphere.hazed(colour, point.position - eye);
+    }
+    let air = visible.air.get_or_insert_with(|| {
+        let transform = &prepared.instances[item.instance as usize].transform;
+        let way = transform.point(item.cluster_in(&prepared.meshes).centre) - eye;
+        let [black, white] = [0.0, 1.0].map(|value| prepared.atmosphere.hazed([value; 3], way));
+        std::array::from_fn(|k| [white[k] - black[k], black[k]])
+    });
+    std::array::from_fn(|k| colour[k] * air[k][0] + air[k][1])
 }
 
 /// The normal on the side of the eye, turned by what the surface's relief says.
@@ -167,8 +191,7 @@ fn lit(prepared: &Prepared, item: &Item, visible: &mut Visible, triangle: u16, a
             colour[k] += beam + mirror * front[k] / PI;
         }
     }
-    let way = point.position - prepared.projection.eye;
-    if prepared.frame.ground.is_some() { prepared.atmosphere.hazed(colour, way) } else { colour }
+    if prepared.frame.ground.is_some() { through_air(prepared, item, visible, &point, colour) } else { colour }
 }
 
 /// Finds the point of a triangle behind a point of the picture, by homogeneous barycentric coordinates (Olano and Greer

@@ -161,7 +161,8 @@ fn draw_tile(
             continue;
         }
         let map = composed(&projection.map, &frame.instances[item.instance as usize].transform);
-        let placed = Placed { projection, map: &map, cluster: item.cluster_in(meshes), two_sided: true };
+        let placed =
+            Placed { projection, map: &map, cluster: item.cluster_in(meshes), two_sided: true, is_whole: true };
         draw::cluster(nearest, scratch, placed, corner, 0);
     }
 }

@@ -1,7 +1,7 @@
 //! What is behind everything that stands: the sky with its sun and clouds, the wood on the horizon and the ground.
 
 use super::Prepared;
-use crate::base::maths::{acosf, mix, smooth_step};
+use crate::base::maths::{acosf, log2f, mix, smooth_step};
 use crate::base::noise::Lattice;
 use crate::base::random::hash;
 use crate::base::vector::{Vec2, Vec3};
@@ -16,6 +16,36 @@ const CLOUDS: f32 = 4.4;
 const SWARD: f32 = 0.66;
 /// Transmittance of a blade of grass over its reflectance (judged; measured leaves of grasses have 0.6 to 0.9).
 const BLADE: f32 = 0.75;
+
+/// The light on a place of the ground, and the air between it and the eye.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct GroundLight {
+    /// Radiance of a white ground in the sun's unshaded beam.
+    sun: [f32; 3],
+    /// Radiance of a white ground in all other light.
+    ambient: [f32; 3],
+    /// Share of its radiance that comes through the air.
+    kept: [f32; 3],
+    /// Radiance that the air adds.
+    air: [f32; 3],
+}
+
+impl GroundLight {
+    /// How many numbers it is made of.
+    pub(super) const VALUES: usize = 12;
+
+    /// Its numbers.
+    pub(super) fn values(&self) -> [f32; Self::VALUES] {
+        let parts = [self.sun, self.ambient, self.kept, self.air];
+        std::array::from_fn(|number| parts[number / 3][number % 3])
+    }
+
+    /// Made of its numbers.
+    pub(super) fn of(values: [f32; Self::VALUES]) -> Self {
+        let part = |number: usize| std::array::from_fn(|k| values[3 * number + k]);
+        Self { sun: part(0), ambient: part(1), kept: part(2), air: part(3) }
+    }
+}
 
 impl Prepared<'_> {
     /// Radiance of the sky through a point of the picture.
@@ -35,7 +65,7 @@ impl Prepared<'_> {
     fn plain(&self) -> Option<[f32; 3]> {
         match self.frame.background {
             Background::Sky => None,
-            Background::Plain(colour) => Some(colour.map(|c| c / self.frame.view.exposure)),
+            Background::Plain(colour) => Some(self.tone.undone(colour).map(|c| c / self.frame.view.exposure)),
             Background::Transparent => Some([0.0; 3]),
         }
     }
@@ -64,7 +94,7 @@ impl Prepared<'_> {
         let [dense, lit, _] = self.textures[clouds.texture as usize].sample(uv, footprint);
         let from = 1.0 - 1.05 * clouds.cover;
         let closed = smooth_step(0.75, 1.0, clouds.cover);
-        let covered = mix(smooth_step(from, from + 0.30, dense), 1.0, closed);
+        let covered = mix(smooth_step(from, from + 0.42, dense), 1.0, closed);
         let far = smooth_step(0.0, 0.10, direction.y);
         let open = 1.0 / (1.0 - clouds.cover).max(0.05);
         std::array::from_fn(|k| {
@@ -76,20 +106,22 @@ impl Prepared<'_> {
         })
     }
 
-    /// Radiance of the ground at a point of the picture below the horizon.
-    pub(super) fn ground(&self, at: [f32; 2]) -> [f32; 3] {
-        let Some(ground) = self.frame.ground.as_ref().filter(|_| self.plain().is_none()) else { return self.sky(at) };
+    /// Where a point of the picture below the horizon meets the ground, and the unit direction to it.
+    fn on_ground(&self, at: [f32; 2]) -> (Vec3, f32, Vec3) {
         let ray = self.projection.ray(at[0], at[1]);
-        let eye = self.projection.eye;
-        let distance = eye.y / (-ray.y).max(1e-6);
-        let position = eye + ray * distance;
-        let albedo = self.ground_albedo(position, distance, ray);
-        let salt = hash(at[0] as u64, at[1] as u64);
-        let sun = self.sun(position, Vec3::y(), salt);
-        let meeting = mix(self.frame.sun.direction.y.max(0.0), self.sward(ray), ground.blades);
-        let ambient = self.ambient(position).irradiance(Vec3::y());
-        let lit: [f32; 3] = std::array::from_fn(|k| albedo[k] * (sun[k] * meeting + ambient[k]) / PI);
-        let seen = self.atmosphere.hazed(lit, ray * distance);
+        let distance = self.projection.eye.y / (-ray.y).max(1e-6);
+        (self.projection.eye + ray * distance, distance, ray)
+    }
+
+    /// Radiance of the ground at a point of the picture below the horizon, of what changes little from pixel to pixel.
+    pub(super) fn ground(&self, at: [f32; 2], light: &GroundLight, patches: [f32; 2]) -> [f32; 3] {
+        let Some(ground) = self.frame.ground.as_ref().filter(|_| self.plain().is_none()) else { return self.sky(at) };
+        let (position, distance, ray) = self.on_ground(at);
+        let albedo = self.ground_albedo(position, distance, ray, patches);
+        let shade = self.shade(position, Vec3::y(), hash(at[0] as u64, at[1] as u64));
+        let seen: [f32; 3] = std::array::from_fn(|k| {
+            albedo[k] * (light.sun[k] * shade + light.ambient[k]) * light.kept[k] + light.air[k]
+        });
         match ground.wood {
             // What lies beyond the wood's edge is hidden by it.
             Some(wood) if distance > wood.distance => self.before_wood(&wood, ray, seen),
@@ -97,8 +129,40 @@ impl Prepared<'_> {
         }
     }
 
-    /// Reflectance of the ground: its texture, and patches of several sizes that do not repeat.
-    fn ground_albedo(&self, position: Vec3, distance: f32, ray: Vec3) -> [f32; 3] {
+    /// The light on the ground at a point of the picture, and the air before it.
+    pub(super) fn ground_light(&self, at: [f32; 2]) -> GroundLight {
+        let Some(ground) = &self.frame.ground else { return GroundLight::default() };
+        let (position, distance, ray) = self.on_ground(at);
+        let share = self.atmosphere.sun_share();
+        let meeting = mix(self.frame.sun.direction.y.max(0.0), self.sward(ray), ground.blades) * share / PI;
+        // No meadow is farther away than the wood that closes it off.
+        let farthest = ground.wood.map_or(f32::MAX, |wood| wood.distance);
+        let way = ray * distance.min(farthest);
+        let air = self.atmosphere.hazed([0.0; 3], way);
+        let white = self.atmosphere.hazed([1.0; 3], way);
+        GroundLight {
+            sun: self.frame.sun.irradiance.map(|e| e * meeting),
+            ambient: self.ambient(position).irradiance(Vec3::y()).map(|e| e / PI),
+            kept: std::array::from_fn(|k| white[k] - air[k]),
+            air,
+        }
+    }
+
+    /// Patches of several sizes in the ground, which do not repeat: how light it is, and how dry.
+    pub(super) fn ground_patches(&self, at: [f32; 2]) -> [f32; 2] {
+        let (position, distance, ray) = self.on_ground(at);
+        let place = Vec2::new(position.x, position.z);
+        let long = distance / self.projection.pixels_per_metre / (-ray.y).max(1e-3);
+        let [wide, middle, small] =
+            [(23.0, 1), (4.9, 2), (1.1, 3)].map(|(size, salt)| patches(place / size, salt, long / size));
+        // Longer grass is darker, and where it is thin straw and soil show.
+        let light = 1.0 + 0.28 * wide + 0.45 * middle + 0.40 * small;
+        let dry = (0.50 * (0.6 * wide - 0.5 * middle + 0.6 * small)).clamp(-0.15, 0.5);
+        [light, dry]
+    }
+
+    /// Reflectance of the ground: its texture, and its patches.
+    fn ground_albedo(&self, position: Vec3, distance: f32, ray: Vec3, [light, dry]: [f32; 2]) -> [f32; 3] {
         let Some(ground) = &self.frame.ground else { return [0.0; 3] };
         let pixel = distance / self.projection.pixels_per_metre;
         let texture = &self.textures[ground.texture as usize];
@@ -108,19 +172,26 @@ impl Prepared<'_> {
         let long = pixel / (-ray.y).max(1e-3);
         let footprint = (pixel * long).sqrt() / ground.tile;
         let detail = texture.sample(uv, footprint);
-        // A second look at another scale and turn breaks the repeats up.
-        let turned = Vec2::new(0.8 * uv.x + 0.6 * uv.y, 0.8 * uv.y - 0.6 * uv.x);
-        let broad = texture.sample(turned / 5.3, footprint / 5.3);
         let mean = texture.mean();
-        let [wide, middle, small] =
-            [(23.0, 1), (4.9, 2), (1.1, 3)].map(|(size, salt)| patches(place / size, salt, long / size));
-        // Longer grass is darker, and where it is thin straw and soil show.
-        let light = 1.0 + 0.28 * wide + 0.45 * middle + 0.40 * small;
-        let dry = (0.0 + 0.50 * (0.6 * wide - 0.5 * middle + 0.6 * small)).clamp(-0.15, 0.5);
-        std::array::from_fn(|k| {
-            let blend = mix(detail[k], broad[k], 0.30) * light;
-            (blend + mean[k] * dry * DRY[k]).max(0.15 * mean[k])
-        })
+        let upright = if ground.blades > 0.0 { self.tufts(place, pixel, distance) * ground.blades } else { 0.0 };
+        let light = light + TUFTS * upright;
+        std::array::from_fn(|k| (detail[k] * light + mean[k] * dry * DRY[k]).max(0.15 * mean[k]))
+    }
+
+    /// Noise of tufts that stand upright: each hides what lies behind it for as far as it is high over the slope of the look, so
+    /// on the ground it is drawn out away from the eye. Its size follows the pixels', by halves, so that it is never lost.
+    fn tufts(&self, place: Vec2, pixel: f32, distance: f32) -> f32 {
+        let forward = self.projection.axes.row(2);
+        let ahead = Vec2::new(forward[0], forward[2]).try_normalize(1e-6).unwrap_or_else(Vec2::x);
+        let (along, across) = (place.dot(&ahead), place.x * ahead.y - place.y * ahead.x);
+        let drawn_out = (0.4 * distance / self.projection.eye.y.max(0.1)).clamp(1.0, 24.0);
+        let octave = log2f((pixel / FINEST).max(1.0));
+        let level = octave as i32;
+        let of = |level: i32| {
+            let size = 2.5 * FINEST * (1i32 << level.min(20)) as f32;
+            Lattice::new(40 + level as u64).gradient(across / size, along / (size * drawn_out))
+        };
+        mix(of(level), of(level + 1), octave - level as f32)
     }
 
     /// How a meadow meets the sun where an eye sees it, as a share of the irradiance across the beam, 0 to about 2: blades that
@@ -141,6 +212,11 @@ impl Prepared<'_> {
         SWARD * 2.0 * in_cosine / (in_cosine + out_cosine) * (sent_back + BLADE * let_through) / PI
     }
 }
+
+/// Width of a tuft that is told from others near by, metres.
+const FINEST: f32 = 0.012;
+/// How much lighter and darker tufts are than the mean (judged).
+const TUFTS: f32 = 0.34;
 
 /// What dryness adds to the reflectance of each channel, over the mean's.
 const DRY: [f32; 3] = [0.95, 0.55, 0.40];

@@ -1,15 +1,15 @@
 //! One tile of the picture, from its clusters to encoded pixels.
 
 use super::atmosphere::Ambient;
+use super::backdrop::Backdrop;
 use super::bins::Bins;
 pub(super) use super::coverage::SIDE;
-use super::coverage::{Background, Nearest};
+use super::coverage::{BLOCK, Background, Nearest};
 use super::draw::{self, Corner, Placed, Scratch};
 use super::projection::{Lens, composed};
 use super::samples::{SUBPIXEL, pattern};
 use super::{Prepared, shade};
 use crate::base::vector::Affine;
-use crate::frame::Frame;
 
 /// Owner of a sample that shows the sky.
 const SKY: u32 = u32::MAX;
@@ -32,6 +32,8 @@ pub(super) struct Visible {
     pub map: Affine,
     /// The light from all sides at a small item's middle, once it is known.
     pub ambient: Option<Ambient>,
+    /// What the air before a small item keeps of each channel's radiance and what it adds, once they are known.
+    pub air: Option<[[f32; 2]; 3]>,
 }
 
 /// A triangle that won a sample at some time.
@@ -85,12 +87,13 @@ impl<const S: usize> Workspace<S> {
                 map: &map,
                 cluster: item.cluster_in(&prepared.meshes),
                 two_sided: prepared.frame.materials[item.material as usize].two_sided,
+                is_whole: item.is_whole,
             };
             draw::cluster(nearest, scratch, placed, corner, seen.len() as u32);
             if !scratch.won.is_empty() {
                 let place = visible.len() as u32;
                 seen.extend(scratch.won.iter().map(|&triangle| Seen { visible: place, triangle }));
-                visible.push(Visible { item: number, map, ambient: None });
+                visible.push(Visible { item: number, map, ambient: None, air: None });
             }
         }
         resolve(prepared, bins, corner, nearest, seen, visible)
@@ -121,45 +124,61 @@ fn resolve<const S: usize>(
     seen: &[Seen],
     visible: &mut [Visible],
 ) -> Pixels {
-    let frame: &Frame = prepared.frame;
+    let view = &prepared.frame.view;
     let offsets = pattern::<S>().map(|p| p.map(|step| step as f32 / SUBPIXEL as f32));
     let mut pixels = Pixels { colours: vec![[0; 3]; SIDE * SIDE], squared_error: 0.0 };
-    let width = (frame.view.width as usize - corner.x).min(SIDE);
-    let height = (frame.view.height as usize - corner.y).min(SIDE);
+    let width = (view.width as usize - corner.x).min(SIDE);
+    let height = (view.height as usize - corner.y).min(SIDE);
     let mut groups: Vec<Group> = Vec::with_capacity(S);
-    for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
-        let place = y * SIDE + x;
-        collect(&mut groups, &nearest.owner[place], seen, &offsets);
-        let mut sum = [0.0f32; 3];
-        let mut squares = [0.0f32; 3];
-        for group in &groups {
-            let weight = group.samples as f32;
-            let at = [(corner.x + x) as f32 + group.x / weight, (corner.y + y) as f32 + group.y / weight];
-            let colour = match group.owner {
-                SKY => prepared.sky(at),
-                GROUND => prepared.ground(at),
-                owner => {
-                    let Seen { visible: place, triangle } = seen[owner as usize];
-                    shade::surface(prepared, bins, &mut visible[place as usize], triangle, at)
+    for (top, left) in (0..height).step_by(BLOCK).flat_map(|y| (0..width).step_by(BLOCK).map(move |x| (y, x))) {
+        let mut backdrop = Backdrop::new(prepared, [(corner.x + left) as f32, (corner.y + top) as f32]);
+        let (right, bottom) = ((left + BLOCK).min(width), (top + BLOCK).min(height));
+        for (y, x) in (top..bottom).flat_map(|y| (left..right).map(move |x| (y, x))) {
+            let place = y * SIDE + x;
+            collect(&mut groups, &nearest.owner[place], seen, &offsets);
+            let mut shade = |group: &Group| {
+                let share = 1.0 / group.samples as f32;
+                let at = [(corner.x + x) as f32 + group.x * share, (corner.y + y) as f32 + group.y * share];
+                let colour = match group.owner {
+                    SKY => backdrop.sky(at),
+                    GROUND => backdrop.ground(at),
+                    owner => {
+                        let Seen { visible: place, triangle } = seen[owner as usize];
+                        shade::surface(prepared, bins, &mut visible[place as usize], triangle, at)
+                    }
+                };
+                colour.map(|value| value * view.exposure)
+            };
+            let mean = match groups.as_slice() {
+                [group] => shade(group),
+                groups => {
+                    let (mean, squared_error) = mean::<S>(groups, shade);
+                    pixels.squared_error += squared_error;
+                    mean
                 }
             };
-            for k in 0..3 {
-                let value = colour[k] * frame.view.exposure;
-                sum[k] += value * weight;
-                squares[k] += value * value * weight;
-            }
+            pixels.colours[place] = prepared.tone.encode_at(mean, corner.x + x, corner.y + y);
         }
-        let count = S as f32;
-        let mean = sum.map(|s| s / count);
-        if S > 1 {
-            for k in 0..3 {
-                let spread = (squares[k] - mean[k] * mean[k] * count).max(0.0);
-                pixels.squared_error += f64::from(spread / ((count - 1.0) * count));
-            }
-        }
-        pixels.colours[place] = prepared.tone.encode_at(mean, corner.x + x, corner.y + y);
     }
     pixels
+}
+
+/// The mean colour of a pixel's groups, and the squared error that it has if its samples are independent, summed over the
+/// channels.
+fn mean<const S: usize>(groups: &[Group], mut shade: impl FnMut(&Group) -> [f32; 3]) -> ([f32; 3], f64) {
+    let count = S as f32;
+    let mut sum = [0.0f32; 3];
+    let mut squares = [0.0f32; 3];
+    for group in groups {
+        let (colour, weight) = (shade(group), group.samples as f32);
+        for k in 0..3 {
+            sum[k] += colour[k] * weight;
+            squares[k] += colour[k] * colour[k] * weight;
+        }
+    }
+    let mean = sum.map(|s| s / count);
+    let spread = |k: usize| (squares[k] - mean[k] * mean[k] * count).max(0.0) / ((count - 1.0) * count);
+    (mean, (0..3).map(|k| f64::from(spread(k))).sum())
 }
 
 /// Gathers the samples of a pixel by what they show: a cluster is shaded once, at the middle of its samples.

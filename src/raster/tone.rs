@@ -1,7 +1,8 @@
 //! From radiance to 8-bit sRGB: white balance, tone curve, encoding.
 
 use crate::base::encoding::SrgbEncoder;
-use crate::base::maths::{log2f, powf};
+use crate::base::maths::{exp2f, log2f, powf};
+use crate::base::vector::{Mat3, Vec3};
 use crate::frame::{ToneMap, UNBALANCED, View};
 
 /// A tone curve with its encoding.
@@ -50,6 +51,30 @@ impl Tone {
             ToneMap::Agx => self.agx(colour),
             ToneMap::None => colour,
         }
+    }
+
+    /// The exposed linear colour that is shown as a linear colour below 1: what white balance and curve make of it, undone.
+    /// AgX shows no pure colours; those come out paler.
+    pub(super) fn undone(&self, shown: [f32; 3]) -> [f32; 3] {
+        let colour = match self.map {
+            ToneMap::Neutral => neutral_undone(shown),
+            ToneMap::Agx => self.agx_undone(shown),
+            ToneMap::None => shown,
+        };
+        let Some(rows) = &self.balance else { return colour };
+        let map = Mat3::from_fn(|row, column| rows[row][column]);
+        map.try_inverse().map_or(colour, |inverse| (inverse * Vec3::from(colour)).into())
+    }
+
+    fn agx_undone(&self, shown: [f32; 3]) -> [f32; 3] {
+        let curved = times(&AGX_INSET, shown.map(|c| powf(c.clamp(0.0, 0.99), 1.0 / 2.2)));
+        let inset = curved.map(|value| {
+            let above = self.curve.partition_point(|&reached| reached < value).clamp(1, AGX_STEPS - 1);
+            let (low, high) = (self.curve[above - 1], self.curve[above]);
+            let place = (above - 1) as f32 + ((value - low) / (high - low).max(1e-9)).clamp(0.0, 1.0);
+            exp2f(AGX_RANGE[0] + place / (AGX_STEPS - 1) as f32 * (AGX_RANGE[1] - AGX_RANGE[0]))
+        });
+        times(&AGX_OUTSET, inset)
     }
 
     /// AgX (Sobotka 2022): into a narrower gamut, a sigmoid over the logarithm, and back.
@@ -114,11 +139,13 @@ fn threshold(x: usize, y: usize) -> f32 {
     (rank as f32 + 0.5) / 64.0 - 0.5
 }
 
+/// Where Khronos PBR Neutral begins to compress, and how fast it pales.
+const START: f32 = 0.8 - 0.04;
+const DESATURATION: f32 = 0.15;
+
 /// Khronos PBR Neutral (KhronosGroup/ToneMapping): takes off the usual 4 % surface reflection, keeps colours below 0.76 and
 /// rolls what is brighter off towards white.
 fn neutral(colour: [f32; 3]) -> [f32; 3] {
-    const START: f32 = 0.8 - 0.04;
-    const DESATURATION: f32 = 0.15;
     let least = colour[0].min(colour[1]).min(colour[2]);
     let offset = if least < 0.08 { least - 6.25 * least * least } else { 0.04 };
     let colour = colour.map(|c| c - offset);
@@ -132,6 +159,22 @@ fn neutral(colour: [f32; 3]) -> [f32; 3] {
     colour.map(|c| c * (new_peak / peak) * (1.0 - weight) + new_peak * weight)
 }
 
+/// The colour of which Khronos PBR Neutral makes this one.
+fn neutral_undone(shown: [f32; 3]) -> [f32; 3] {
+    let peak = shown[0].max(shown[1]).max(shown[2]).min(0.999);
+    let spread = if peak < START {
+        shown
+    } else {
+        let room = 1.0 - START;
+        let full = room * room / (1.0 - peak) - room + START;
+        let weight = 1.0 - 1.0 / (DESATURATION * (full - peak) + 1.0);
+        shown.map(|c| (c - peak * weight) / ((peak / full) * (1.0 - weight)))
+    };
+    let least = spread[0].min(spread[1]).min(spread[2]).max(0.0);
+    let before = if least < 0.04 { (least / 6.25).sqrt() } else { least + 0.04 };
+    spread.map(|c| c + before - least)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -142,6 +185,7 @@ mod tests {
             width: 1,
             height: 1,
             samples: 1,
+            lod_error: 0.3,
             shadow_size: 0,
             exposure: 1.0,
             metered: false,
@@ -187,6 +231,20 @@ mod tests {
             last = value;
         }
         assert!((agx_curve(1.0) - 1.0).abs() < 1e-4 && agx_curve(0.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn what_is_undone_is_shown_again() {
+        let warm = [[0.9, 0.05, 0.0], [0.0, 1.0, 0.02], [0.0, 0.1, 1.3]];
+        for (map, balance) in [(ToneMap::Neutral, UNBALANCED), (ToneMap::Agx, UNBALANCED), (ToneMap::Neutral, warm)] {
+            let tone = Tone { balance: Some(balance), ..tone(map) };
+            // AgX shows no colour that is as pure as the last.
+            let count = if map == ToneMap::Agx { 3 } else { 4 };
+            for shown in [[0.4, 0.5, 0.6], [0.7; 3], [0.95, 0.9, 0.9], [0.03, 0.2, 0.7]].into_iter().take(count) {
+                let found = tone.mapped(tone.undone(shown));
+                assert!((0..3).all(|k| (found[k] - shown[k]).abs() < 5e-3), "{map:?}: {found:?} is not {shown:?}");
+            }
+        }
     }
 
     #[test]

@@ -6,6 +6,7 @@ use super::preparation::Prepared;
 use super::progress::{self, Event, Progress};
 use super::signals::Signals;
 use super::stopwatch::{self, timed};
+use super::wardrobe::Atelier;
 use super::{Options, Outcome, enlargement, fault, files, leaf_falls, shares_chart, states_file, wardrobe};
 use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault};
 use crate::base::figures::Figures;
@@ -41,6 +42,7 @@ pub struct Run<'a> {
     report: Report,
     states_text: String,
     renderer: Renderer,
+    atelier: Atelier,
     /// How many times as large pictures are drawn before they are averaged.
     enlarged: u32,
 }
@@ -50,7 +52,8 @@ impl<'a> Run<'a> {
     pub fn new(scene: &'a Scene, options: &'a Options, cells: Vec<Prepared>, names: Names, report: Report) -> Self {
         let trees = cells.iter().map(|cell| cell.stand.trees.len()).max().unwrap_or(0);
         let states_text = states_file::header(trees > 1, scene.sheet_column());
-        Self { scene, options, cells, names, report, states_text, renderer: Renderer::default(), enlarged: 1 }
+        let (renderer, atelier) = (Renderer::default(), Atelier::default());
+        Self { scene, options, cells, names, report, states_text, renderer, atelier, enlarged: 1 }
     }
 
     /// The same run with pictures that are drawn so many times as large.
@@ -75,12 +78,17 @@ impl<'a> Run<'a> {
         outcome: &mut Outcome,
     ) -> Result<(), Diagnostics> {
         let mut stocks = Vec::new();
-        for number in 0..self.cells.len() {
+        // The cells of one picture are made one after another as it is drawn, so that their textures are not held together.
+        let are_kept = self.cells.len() == 1 || self.cells.first().is_some_and(|cell| cell.plan.frames.len() > 1);
+        for number in 0..if are_kept { self.cells.len() } else { 0 } {
             if signals.came() {
                 outcome.interrupted = true;
                 return Ok(());
             }
             stocks.push(self.stock(number)?);
+        }
+        if are_kept {
+            self.atelier = Atelier::default();
         }
         if signals.came() {
             outcome.interrupted = true;
@@ -118,7 +126,7 @@ impl<'a> Run<'a> {
     /// What a cell is drawn with in every frame; none when nothing is drawn.
     fn stock(&mut self, number: usize) -> Result<Option<Stock>, Diagnostics> {
         let cell = &self.cells[number];
-        let wardrobe = wardrobe::wardrobe(cell, &self.options.limits, &mut self.report)?;
+        let wardrobe = wardrobe::wardrobe(cell, &self.options.limits, &mut self.atelier, &mut self.report)?;
         Ok(cell.plan.has("compose").then(|| {
             let start = Instant::now();
             let stock = Stock::new(&cell.scene, &cell.stand, &wardrobe);
@@ -184,7 +192,7 @@ impl<'a> Run<'a> {
         Ok(files)
     }
 
-    /// The files of a frame; none when nothing is drawn.
+    /// The files of a frame; none when nothing is drawn. A cell without a stock in `stocks` gets one for the time being.
     fn made(
         &mut self,
         index: i64,
@@ -194,9 +202,10 @@ impl<'a> Run<'a> {
     ) -> Result<FrameFiles, Diagnostics> {
         let mut pictures = Vec::new();
         let mut files = Vec::new();
-        for (number, (stock, (states, falls))) in stocks.iter().zip(states.iter().zip(falls)).enumerate() {
-            let Some(stock) = stock else { continue };
-            let Prepared { scene, stand, plan, .. } = &self.cells[number];
+        for (number, (states, falls)) in states.iter().zip(falls).enumerate() {
+            let of_its_own = if number < stocks.len() { None } else { self.stock(number)? };
+            let Some(stock) = stocks.get(number).and_then(Option::as_ref).or(of_its_own.as_ref()) else { continue };
+            let Prepared { scene, stand, plan, ways, .. } = &self.cells[number];
             let layout = scene.output.gltf;
             let worn = states.as_ref().map_or_else(Vec::new, |states| plan::garments(scene, stand, states));
             let frame = timed(&mut self.report, "compose", || {
@@ -209,7 +218,10 @@ impl<'a> Run<'a> {
             })?;
             let frame = match falls {
                 Some(falls) if plan.has("fall") => {
-                    let strewn = || Ok::<_, Diagnostics>(stock.strewn(scene, stand, falls, frame));
+                    let strewn = || {
+                        let (frame, figures) = stock.strewn(scene, stand, falls, frame);
+                        Ok::<_, Diagnostics>((frame, figures.with("ways", ways.found)))
+                    };
                     timed(&mut self.report, "fall", strewn)?
                 }
                 _ => frame,
@@ -265,10 +277,10 @@ impl<'a> Run<'a> {
 
     fn falls(&mut self, index: i64, states: &CellStates) -> CellFalls {
         let start = Instant::now();
-        let of_cell = |(cell, states): (&Prepared, &Option<LeafStates>)| {
-            leaf_falls::falls(&cell.scene, &cell.stand, states.as_ref()?, index)
+        let of_cell = |(cell, states): (&mut Prepared, &Option<LeafStates>)| {
+            leaf_falls::falls((&cell.scene, &cell.stand), states.as_ref()?, index, &mut cell.ways)
         };
-        let falls: CellFalls = self.cells.iter().zip(states).map(of_cell).collect();
+        let falls: CellFalls = self.cells.iter_mut().zip(states).map(of_cell).collect();
         if falls.iter().flatten().any(|falls| !falls.seen.is_empty()) {
             self.report.spend("fall", start.elapsed().as_secs_f64());
         }

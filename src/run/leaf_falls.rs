@@ -1,12 +1,13 @@
 //! The falls that a frame's leaf states tell of, and what has become of them.
 
-use crate::compose::{Dropped, Falls, Stand};
+use crate::compose::{Dropped, Falls, Stand, Ways};
 use crate::plan;
 use crate::scene::Scene;
 use crate::season::{FALLEN, LeafStates};
 
-/// What has become of every leaf that has fallen by a frame's time; `None` where fallen leaves are not asked for.
-pub fn falls(scene: &Scene, stand: &Stand, states: &LeafStates, index: i64) -> Option<Falls> {
+/// What has become of every leaf that has fallen by a frame's time; `None` where fallen leaves are not asked for. `ways` are
+/// those that other frames have found.
+pub fn falls((scene, stand): (&Scene, &Stand), states: &LeafStates, index: i64, ways: &mut Ways) -> Option<Falls> {
     if !scene.leaves_fall() {
         return None;
     }
@@ -25,5 +26,5 @@ pub fn falls(scene: &Scene, stand: &Stand, states: &LeafStates, index: i64) -> O
         .chain(states.shed.iter().copied().filter(|&(_, day, state)| hangs(state) && day <= now))
         .map(|(site, day, state)| Dropped { site, year: year(day), day, state })
         .collect();
-    Some(Falls::new(scene, stand, &states.names, &dropped, attached, now))
+    Some(Falls::new((scene, stand, &states.names), &dropped, attached, now, ways))
 }

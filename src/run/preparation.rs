@@ -10,7 +10,7 @@ use crate::base::diagnostic::Diagnostics;
 use crate::base::figures::Figures;
 use crate::base::limits::{Limit, Limits};
 use crate::base::random::hash;
-use crate::compose::{Garment, Stand};
+use crate::compose::{Garment, Stand, Ways};
 use crate::plan::{self, Counted, Plan, Roll};
 use crate::report::Report;
 use crate::scene::Scene;
@@ -37,6 +37,8 @@ pub struct Prepared {
     pub seasons: Seasons,
     /// The states of frames that are still to be drawn.
     kept: BTreeMap<i64, (LeafStates, Figures)>,
+    /// The ways of the leaves that have fallen, found once for all frames.
+    pub ways: Ways,
 }
 
 /// What a run asks of its preparation.
@@ -81,7 +83,15 @@ pub fn prepare(cells: Vec<Scene>, asked: &Asked<'_>, report: &mut Report) -> Res
             seasons.prepare(asked.frames, asked.frames.len() > 1);
             report.spend("season", start.elapsed().as_secs_f64());
         }
-        let mut one = Prepared { scene, stand, states, plan: Plan::default(), seasons, kept: BTreeMap::new() };
+        let mut one = Prepared {
+            scene,
+            stand,
+            states,
+            plan: Plan::default(),
+            seasons,
+            kept: BTreeMap::new(),
+            ways: Ways::default(),
+        };
         let frames = asked.frames.iter().take_while(|_| !(asked.stop)());
         counts.push(frames.map(|&index| one.count(index, report)).collect());
         prepared.push(one);
@@ -136,7 +146,7 @@ impl Prepared {
         let signature = garments.iter().fold(0, |sum, garment| hash(sum, mark(garment)));
         let worn: BTreeSet<Garment> = garments.into_iter().flatten().collect();
         let start = Instant::now();
-        let falls = leaf_falls::falls(&self.scene, &self.stand, &states, index);
+        let falls = leaf_falls::falls((&self.scene, &self.stand), &states, index, &mut self.ways);
         if falls.as_ref().is_some_and(|falls| !falls.seen.is_empty()) {
             report.spend("fall", start.elapsed().as_secs_f64());
         }

@@ -2,7 +2,7 @@
 
 use super::leaf_falls;
 use super::preparation::{self, Asked, Prepared};
-use super::wardrobe;
+use super::wardrobe::{self, Atelier};
 use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault};
 use crate::base::limits::Limits;
 use crate::compose::{self, Falls, Stock};
@@ -37,8 +37,10 @@ impl Still {
         let nothing = || Diagnostic::error(Fault::Bug, "a scene without a cell", "please report it");
         let mut prepared = prepared.ok_or_else(nothing)?;
         let states = prepared.assigned(index, &mut report);
-        let falls =
-            states.as_ref().and_then(|states| leaf_falls::falls(&prepared.scene, &prepared.stand, states, index));
+        let falls = states.as_ref().and_then(|states| {
+            let Prepared { scene, stand, ways, .. } = &mut prepared;
+            leaf_falls::falls((scene, stand), states, index, ways)
+        });
         Ok(Self { prepared, states, falls, index, limits: limits.clone() })
     }
 
@@ -73,7 +75,7 @@ impl Still {
     pub fn frame(&self) -> Result<(Frame, Report), Diagnostics> {
         let mut report = Report::default();
         let Prepared { scene, stand, plan, .. } = &self.prepared;
-        let wardrobe = wardrobe::wardrobe(&self.prepared, &self.limits, &mut report)?;
+        let wardrobe = wardrobe::wardrobe(&self.prepared, &self.limits, &mut Atelier::default(), &mut report)?;
         let stock = Stock::new(scene, stand, &wardrobe);
         let worn = self.states.as_ref().map_or_else(Vec::new, |states| plan::garments(scene, stand, states));
         let trees = stock.frame(scene, stand, &worn);

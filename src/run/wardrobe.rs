@@ -10,11 +10,12 @@ use crate::base::limits::Limits;
 use crate::base::mesh::Mesh;
 use crate::base::picture::Picture;
 use crate::colour::{self, Painted};
-use crate::compose::{Form, Garment, Wardrobe, blade_area, texture_size};
+use crate::compose::{Form, Garment, Wardrobe, blade_area, largest_blade, texture_size};
 use crate::deform;
-use crate::leaf::{self, Chart, Pictures};
+use crate::leaf::{self, Chart, Fringe, Pictures};
 use crate::plan;
 use crate::report::Report;
+use crate::scene::camera::Subject;
 use crate::scene::image::Leaves;
 use crate::scene::{self, Scene, Species, Standing};
 use serde_json::Value;
@@ -24,11 +25,31 @@ use std::sync::Arc;
 /// An item of a stage: a state's number and a variant's.
 type Item = (u16, u32);
 
+/// Blades that are seen shorter than this, in pixels, are drawn with the mesh that was bent.
+const LARGE: f64 = 96.0;
+/// How far the drawn margin may lie from the outline, pixels.
+const TOLERANCE: f64 = 0.35;
+/// Most triangles of a leaf on a tree that is drawn with its own margin, against those of the mesh that was bent.
+const MORE: f64 = 1.25;
+
+/// What cells of a contact sheet may share: the blade made last and the canvas laid out on it, with what they were made of. One of
+/// each, since cells of a species stand together.
+#[derive(Default)]
+pub struct Atelier {
+    blade: Option<(leaf::Settings, Arc<Blade>)>,
+    canvas: Option<(colour::Settings, Arc<Blade>, colour::Canvas)>,
+}
+
 /// Makes the wardrobe of a plan, species by species; empty when no leaf is left.
 ///
 /// # Errors
 /// Pictures that cannot be read, outlines that cannot be meshed, steps that are not stable, limits.
-pub fn wardrobe(prepared: &Prepared, limits: &Limits, report: &mut Report) -> Result<Wardrobe, Diagnostics> {
+pub fn wardrobe(
+    prepared: &Prepared,
+    limits: &Limits,
+    atelier: &mut Atelier,
+    report: &mut Report,
+) -> Result<Wardrobe, Diagnostics> {
     let Prepared { scene, states, plan, stand, .. } = prepared;
     let mut wardrobe = Wardrobe { states: states.clone(), fallen: plan.fallen.clone(), ..Wardrobe::default() };
     let mut leaf_area = Some(0.0);
@@ -40,13 +61,14 @@ pub fn wardrobe(prepared: &Prepared, limits: &Limits, report: &mut Report) -> Re
             leaf_area = leaf_area.filter(|_| !has_sites);
             continue;
         }
-        let mut tailor = Tailor { scene, species, states, garments: &garments, painted: &painted, limits, report };
+        let mut tailor =
+            Tailor { scene, species, states, garments: &garments, painted: &painted, limits, atelier, report };
         let blade = tailor.blade()?;
         let area_of = |(form, _): (&Form, &Standing)| {
             if form.species == number { blade_area(&form.sites, &blade.mesh) } else { 0.0 }
         };
         leaf_area = leaf_area.map(|sum| sum + stand.standing().map(area_of).sum::<f64>());
-        let shapes = tailor.shapes(&blade)?;
+        let shapes = tailor.shapes(&blade, largest_blade(scene, stand, number))?;
         let size = texture_size(scene, stand, number);
         let textures = if plan.has("colour") { tailor.textures(&blade, size)? } else { BTreeMap::new() };
         let chart = chart(scene.image.leaves).map(|chart| Arc::new(charted(chart, &blade)));
@@ -115,6 +137,7 @@ struct Tailor<'a> {
     garments: &'a [Garment],
     painted: &'a [Garment],
     limits: &'a Limits,
+    atelier: &'a mut Atelier,
     report: &'a mut Report,
 }
 
@@ -129,7 +152,21 @@ impl Tailor<'_> {
         Ok(made)
     }
 
-    fn blade(&mut self) -> Result<Blade, Diagnostics> {
+    fn blade(&mut self) -> Result<Arc<Blade>, Diagnostics> {
+        let is_painted =
+            !["leaf.picture", "leaf.mask", "leaf.texture"].iter().any(|key| self.species.assets.contains_key(*key));
+        if let Some((settings, blade)) = &self.atelier.blade
+            && is_painted
+            && *settings == self.species.leaf
+        {
+            return Ok(blade.clone());
+        }
+        let blade = Arc::new(self.modelled()?);
+        self.atelier.blade = is_painted.then(|| (self.species.leaf.clone(), blade.clone()));
+        Ok(blade)
+    }
+
+    fn modelled(&mut self) -> Result<Blade, Diagnostics> {
         let (species, limits) = (self.species, self.limits);
         let read = |key: &str| -> Result<Option<Picture>, Diagnostics> {
             let asset = species.assets.get(key);
@@ -145,7 +182,7 @@ impl Tailor<'_> {
             .map_err(|error| fault::leaf(species, &error))
     }
 
-    fn shapes(&mut self, blade: &Blade) -> Result<BTreeMap<Item, Arc<Mesh>>, Diagnostics> {
+    fn shapes(&mut self, blade: &Blade, pixels: f64) -> Result<BTreeMap<Item, Arc<Mesh>>, Diagnostics> {
         let (scene, species, limits, states) = (self.scene, self.species, self.limits, self.states);
         let items = plan::items(self.garments, species.deform.shapes);
         let job = |&(state, variant): &Item| {
@@ -155,21 +192,42 @@ impl Tailor<'_> {
         };
         let jobs: Vec<deform::Job> = items.iter().map(job).collect();
         let made = self.timed("deform", || deform::deform(&species.deform, blade, &jobs, scene.seed, limits));
-        let made = made.map_err(|error| fault::deform(species, &error))?;
+        let mut made = made.map_err(|error| fault::deform(species, &error))?;
+        if let Some(fringe) = self.fringe(blade, pixels) {
+            made = made.iter().map(|shape| fringe.worn_by(&blade.mesh, shape)).collect();
+        }
         Ok(items.into_iter().zip(made.into_iter().map(Arc::new)).collect())
     }
 
-    fn textures(&mut self, blade: &Blade, size: u32) -> Result<BTreeMap<Item, Arc<Painted>>, Diagnostics> {
+    /// The margin that leaves are drawn with, for a blade that is seen at most so many pixels long.
+    fn fringe(&mut self, blade: &Blade, pixels: f64) -> Option<Fringe> {
+        let by_itself = self.scene.camera.subject == Subject::Leaf;
+        if pixels < LARGE || self.scene.image.wireframe > 0.0 {
+            return None;
+        }
+        let most = if by_itself { usize::MAX } else { (blade.mesh.triangles.len() as f64 * MORE) as usize };
+        let fringe = Fringe::new(blade, TOLERANCE * self.species.leaf.length * 1e-3 / pixels, most)?;
+        self.report.note("leaf", "drawn_triangles", fringe.triangles());
+        self.report.note("leaf", "drawn_margin_mm", fringe.tolerance * 1e3);
+        Some(fringe)
+    }
+
+    fn textures(&mut self, blade: &Arc<Blade>, size: u32) -> Result<BTreeMap<Item, Arc<Painted>>, Diagnostics> {
         let (scene, species, states) = (self.scene, self.species, self.states);
         let items = plan::items(self.painted, species.colour.variants);
         let job = |&(state, variant): &Item| colour::Job { state: states[usize::from(state)].clone(), variant };
         let jobs: Vec<colour::Job> = items.iter().map(job).collect();
         let scans = self.scans(&jobs)?;
         let settings = colour::Settings { size: Some(size), ..species.colour.clone() };
+        // A canvas with scans is of its own states only.
+        let known = self.atelier.canvas.take().filter(|(laid, on, _)| *laid == settings && Arc::ptr_eq(on, blade));
+        let known = known.filter(|_| scans.is_empty()).map(|(_, _, canvas)| canvas);
+        let mut canvas = None;
         let made = self.timed("colour", || {
-            let canvas = colour::Canvas::new(&settings, blade, &scans);
-            Ok::<_, std::convert::Infallible>(colour::paint_on(&canvas, &settings, &jobs, scene.seed))
+            let canvas = canvas.insert(known.unwrap_or_else(|| colour::Canvas::new(&settings, blade, &scans)));
+            Ok::<_, std::convert::Infallible>(colour::paint_on(canvas, &settings, &jobs, scene.seed))
         });
+        self.atelier.canvas = canvas.filter(|_| scans.is_empty()).map(|canvas| (settings, blade.clone(), canvas));
         let made = made.unwrap_or_else(|never| match never {});
         Ok(items.into_iter().zip(made.into_iter().map(Arc::new)).collect())
     }

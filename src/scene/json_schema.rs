@@ -83,7 +83,7 @@ mod tests {
         assert_eq!(humidity["maximum"], 1);
         assert_eq!(schema["properties"]["season"]["properties"]["warm"]["default"], 25.0);
         assert_eq!(schema["properties"]["camera"]["properties"]["position"]["maxItems"], 3);
-        assert_eq!(schema["properties"]["ground"]["properties"]["kind"]["enum"], json!(["grass", "none"]));
+        assert_eq!(schema["properties"]["ground"]["properties"]["kind"]["enum"], json!(["grass", "soil", "none"]));
         let states = &schema["properties"]["season"]["properties"]["states"]["additionalProperties"];
         assert_eq!(states["additionalProperties"], false);
     }

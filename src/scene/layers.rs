@@ -9,7 +9,8 @@ const ALTERNATIVES: [(&str, &[&[&str]]); 2] =
 
 /// Ways to give a blade, and what belongs to the one that was given: another blade takes all of it away.
 const BLADES: [&str; 3] = ["outline", "picture", "file"];
-const OF_A_BLADE: [&str; 9] = ["outline", "holes", "petiole", "veins", "joint", "picture", "file", "mask", "texture"];
+const OF_A_BLADE: [&str; 10] =
+    ["outline", "teeth", "holes", "petiole", "veins", "joint", "picture", "file", "mask", "texture"];
 
 /// What describes growth: an L-system of the scene's own takes all of it away from the species, whose constants and age
 /// belong to other rules.
@@ -112,7 +113,9 @@ mod tests {
 
     #[test]
     fn another_blade_takes_the_mask_and_holes_of_the_first_away_but_not_its_mesh() {
-        let traced = json!({"leaf": {"outline": [[0.0, 0.0]], "holes": [], "mask": "m.png", "vertices": 300}});
+        let teeth = json!({"belly": 0.1});
+        let traced =
+            json!({"leaf": {"outline": [[0.0, 0.0]], "teeth": teeth, "holes": [], "mask": "m.png", "vertices": 300}});
         let scan = json!({"leaf": {"picture": "a.png"}});
         assert_eq!(laid(traced.clone(), scan), json!({"leaf": {"picture": "a.png", "vertices": 300}}));
         let finer = laid(traced, json!({"leaf": {"vertices": 900}}));

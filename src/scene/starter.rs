@@ -22,7 +22,7 @@ const KEYS: [(&str, &[(&str, &str)]); 11] = [
     ("season", &[("mode", "")]),
     ("tree", &[("age", "#30")]),
     ("leaf", &[("picture", "#\"leaf.png\""), ("vertices", "")]),
-    ("fall", &[("wind", ""), ("direction", ""), ("slow_motion", "")]),
+    ("fall", &[("wind", ""), ("direction", "#20.0"), ("slow_motion", "")]),
     ("camera", &[("field_of_view", "")]),
     ("light", &[("sun_elevation", ""), ("sun_azimuth", ""), ("exposure", "")]),
     ("image", &[("width", ""), ("height", ""), ("samples", "")]),

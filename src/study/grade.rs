@@ -53,8 +53,10 @@ impl Grade {
             ("area", self.area_error.abs(), 1e-3),
             ("rim", self.hausdorff, 1e-3),
         ];
-        let below = least.iter().filter(|(_, found, asked)| found.partial_cmp(asked).is_none_or(std::cmp::Ordering::is_lt));
-        let above = most.iter().filter(|(_, found, asked)| found.partial_cmp(asked).is_none_or(std::cmp::Ordering::is_gt));
+        let below =
+            least.iter().filter(|(_, found, asked)| found.partial_cmp(asked).is_none_or(std::cmp::Ordering::is_lt));
+        let above =
+            most.iter().filter(|(_, found, asked)| found.partial_cmp(asked).is_none_or(std::cmp::Ordering::is_gt));
         below.chain(above).map(|(name, found, _)| format!("{name} {found:.4}")).collect()
     }
 }

@@ -54,8 +54,8 @@ use relocate::Mesher;
 use rim::Rim;
 use std::ops::Range;
 use straying::PLANNED;
-pub use triangulation::Topology;
-use triangulation::triangulated;
+pub use triangulation::{Topology, triangulated};
+
 use web::Web;
 
 /// Share of the wanted vertices by which splits and collapses may change their number.

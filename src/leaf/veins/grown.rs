@@ -2,13 +2,13 @@
 //! bent; others: one midrib. Secondaries leave the main veins at about 50 degrees and bend towards their tips: one to every
 //! large tooth where the margin has such (craspedodromous), else evenly spaced, ending at small teeth, or on an entire
 //! margin in loops (brochidodromous). A third order runs across between neighbouring secondaries like rungs of a ladder
-//! (percurrent). Terms after Ellis et al. 2009, "Manual of Leaf Architecture". They serve the mask and the painted textures;
+//! (percurrent), and across what fields are left. Terms after Ellis et al. 2009, "Manual of Leaf Architecture". They serve the mask and the painted textures;
 //! they are not a model of growth.
 
 use super::forking::forking;
 use super::line::{along, distance, length, quadratic};
 use super::lobes::{Lobe, Margin, Tooth};
-use super::rungs::rungs;
+use super::rungs::{filling, rungs};
 use crate::base::blade::Vein;
 use crate::base::maths::{atan2, sincos};
 use crate::base::vector::DVec2;
@@ -100,6 +100,10 @@ impl<'a> Plan<'a> {
                 seconds.extend(side);
             }
         }
+        let lines: Vec<&[DVec2]> =
+            self.mains.iter().map(|main| &main.line).chain(&seconds).map(Vec::as_slice).collect();
+        let more = filling(self.margin, &lines, &thirds);
+        thirds.extend(more);
         let share = |line: &[DVec2]| 0.6 + 0.4 * (2.0 * length(line) / longest).min(1.0);
         veins.extend(seconds.into_iter().map(|line| {
             let share = share(&line);

@@ -1,0 +1,106 @@
+//! Who gets the samples of a pixel: what lies inside all edges and nearer than what was there. Decided for eight samples at
+//! once or one by one, with the same operations on each and so with the same bits.
+
+use super::setup::{EdgeValue, Edges, Plane};
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, i32x8, u32x8};
+
+/// The samples of a pixel.
+pub(super) struct Pixel<'a, const S: usize> {
+    /// Their nearness.
+    pub nearness: &'a mut [f32; S],
+    /// Who they belong to.
+    pub owner: &'a mut [u32; S],
+}
+
+/// Sample `s` of a pixel: if it is inside all edges and nearer than what stood there it changes hands.
+#[inline(always)]
+fn contest_sample<E: EdgeValue, const S: usize>(
+    s: usize,
+    pixel: &mut Pixel<'_, S>,
+    edges: &Edges<E, S>,
+    at: [E; 3],
+    plane: &Plane<S>,
+    nearness: f32,
+    owner: u32,
+) -> bool {
+    let edge = |k: usize| at[k].plus(edges.samples[k][s]);
+    let value = nearness + plane.samples[s];
+    let value = if value < plane.low { plane.low } else { value };
+    let value = if value > plane.high { plane.high } else { value };
+    let wins = !(edge(0) | edge(1) | edge(2)).is_negative() && value > pixel.nearness[s];
+    if wins {
+        pixel.nearness[s] = value;
+        pixel.owner[s] = owner;
+    }
+    wins
+}
+
+/// Samples `from` to `from` + 8 of a pixel at once, with the same operations in the same order as one by one.
+#[inline(always)]
+fn contest_eight<W: Simd, const S: usize>(
+    simd: W,
+    from: usize,
+    pixel: &mut Pixel<'_, S>,
+    edges: &Edges<i32, S>,
+    at: [i32; 3],
+    plane: &Plane<S>,
+    nearness: f32,
+    owner: u32,
+) -> bool {
+    let part = from..from + 8;
+    let edge = |k: usize| i32x8::from_slice(simd, &edges.samples[k][part.clone()]) + i32x8::splat(simd, at[k]);
+    let outside = edge(0) | edge(1) | edge(2);
+    let value = f32x8::from_slice(simd, &plane.samples[part.clone()]) + f32x8::splat(simd, nearness);
+    let (low, high) = (f32x8::splat(simd, plane.low), f32x8::splat(simd, plane.high));
+    let value = value.simd_lt(low).select(low, value);
+    let value = value.simd_gt(high).select(high, value);
+    let stored = f32x8::from_slice(simd, &pixel.nearness[part.clone()]);
+    let wins = outside.simd_ge(i32x8::splat(simd, 0)) & value.simd_gt(stored);
+    if !wins.any_true() {
+        return false;
+    }
+    wins.select(value, stored).store_slice(&mut pixel.nearness[part.clone()]);
+    let owners = u32x8::from_slice(simd, &pixel.owner[part.clone()]);
+    wins.select(u32x8::splat(simd, owner), owners).store_slice(&mut pixel.owner[part]);
+    true
+}
+
+/// The samples of a pixel, eight at once where there are as many.
+#[inline(always)]
+pub(super) fn contest_in_lanes<W: Simd, const S: usize>(
+    simd: W,
+    pixel: &mut Pixel<'_, S>,
+    edges: &Edges<i32, S>,
+    at: [i32; 3],
+    plane: &Plane<S>,
+    nearness: f32,
+    owner: u32,
+) -> bool {
+    if S < 8 {
+        return contest_one_by_one(simd, pixel, edges, at, plane, nearness, owner);
+    }
+    let mut won = false;
+    for from in (0..S).step_by(8) {
+        won |= contest_eight(simd, from, pixel, edges, at, plane, nearness, owner);
+    }
+    won
+}
+
+/// The samples of a pixel, one after another.
+#[inline(always)]
+pub(super) fn contest_one_by_one<W: Simd, E: EdgeValue, const S: usize>(
+    _: W,
+    pixel: &mut Pixel<'_, S>,
+    edges: &Edges<E, S>,
+    at: [E; 3],
+    plane: &Plane<S>,
+    nearness: f32,
+    owner: u32,
+) -> bool {
+    let mut won = false;
+    for s in 0..S {
+        won |= contest_sample(s, pixel, edges, at, plane, nearness, owner);
+    }
+    won
+}
