@@ -11,10 +11,10 @@ use leafseason::run::progress::{Event, Progress};
 use leafseason::run::signals::Signals;
 use leafseason::run::{self, Options};
 use leafseason::scene::{self, Asset, Scene};
-use leafseason::study::{self, trees::Failure};
-use leafseason::{compare, species};
+use leafseason::study::desk::{Family, Request, Subject};
+use leafseason::{cli, compare, species, study};
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -69,7 +69,7 @@ fn command(command: Command) -> Result<u8, Diagnostics> {
         Command::Compare(arguments) => compare_pictures(&arguments),
         Command::Verify(arguments) => verify(&arguments),
         Command::New(arguments) => new_scene(&arguments),
-        Command::Study(arguments) => study_species(&arguments),
+        Command::Study(arguments) => study(&arguments),
         Command::Species => {
             let lines: String = species::list().iter().map(|(name, line)| format!("{name:<16} {line}\n")).collect();
             print(&lines)
@@ -214,52 +214,47 @@ fn new_scene(arguments: &New) -> Result<u8, Diagnostics> {
     print(&format!("{}\n", message::shown(&file.to_string_lossy(), 1000)))
 }
 
-fn study_species(arguments: &Study) -> Result<u8, Diagnostics> {
+fn study(arguments: &Study) -> Result<u8, Diagnostics> {
     use_threads(None)?;
-    let mut limits = Limits::default();
-    let scene = match &arguments.scene {
-        Some(path) => {
-            let sets: Vec<String> = arguments.set.iter().map(|set| set.text()).collect();
-            Some(scene::read(path, &sets, &[], &limits)?.0)
-        }
-        None => None,
-    };
-    let scanned = |scene: &&Scene| scene.species.iter().any(|species| species.assets.contains_key("leaf.picture"));
-    if let Some(scene) = scene.as_ref().filter(scanned) {
-        let what = "the study measures leaves by their outline, and here is a scan";
-        let place = scene.places.of("leaf.picture");
-        return Err(Diagnostic::error(Fault::Scene, what, "trace it first and give leaf.outline").at(place).into());
+    if let Some(row) = &arguments.row {
+        let is_known = study::do_row(row);
+        return if is_known { Ok(0) } else { Err(Diagnostic::error(Fault::Usage, "there is no such row", "").into()) };
     }
-    limits.set(Limit::Memory, limits.get(Limit::Memory).min(memory::available(rayon::current_num_threads())));
-    let subjects = scene.as_ref().map_or_else(study::trees::built_in, subjects);
-    let lines = study::trees::lines(&subjects, &limits, arguments.quick).map_err(|(number, failure)| {
-        let species = scene.as_ref().map(|scene| &scene.species[number]);
-        match (failure, species) {
-            (Failure::Tree(error), Some(species)) => run::fault::tree(species, &error),
-            (Failure::Leaf(error), Some(species)) => run::fault::leaf(species, &error),
-            (failure, None) => Diagnostic::error(Fault::Bug, failure.to_string(), "please report it").into(),
-        }
-    })?;
-    let file = arguments.out.join("trees.csv");
-    let failed = |error: &dyn std::fmt::Display| {
-        let what = format!("cannot write {}: {error}", message::shown(&file.to_string_lossy(), 200));
-        Diagnostic::error(Fault::Output, what, "name another folder with --out")
+    let mut limits = Limits::default();
+    let sets: Vec<String> = arguments.set.iter().map(|set| set.text()).collect();
+    let read = |path: &PathBuf| {
+        let scene = scene::read(path, &sets, &[], &Limits::default())?.0;
+        Ok::<_, Diagnostics>(Subject { scene, path: path.clone(), sets: sets.clone() })
     };
-    std::fs::create_dir_all(&arguments.out).map_err(|error| failed(&error))?;
-    run::files::write(&file, study::csv(&lines).as_bytes()).map_err(|error| failed(&error))?;
-    print(&study::table(&lines))?;
-    Ok(u8::from(lines.iter().any(|line| !line.is_met())))
+    let subject = arguments.scene.as_ref().map(read).transpose()?;
+    limits.set(Limit::Memory, limits.get(Limit::Memory).min(memory::available(rayon::current_num_threads())));
+    let request = Request {
+        out: arguments.out.clone(),
+        families: families(arguments.family),
+        quick: arguments.quick,
+        subject,
+        program: std::env::current_exe().ok(),
+        limits,
+    };
+    let passes = study::run(&request, &mut |row| complain(&format!("{row}\n")))?;
+    let report = arguments.out.join("report.md");
+    print(&format!("{}\n", message::shown(&report.to_string_lossy(), 1000)))?;
+    Ok(u8::from(!passes))
 }
 
-/// A scene's species, in their order; a species file goes by its name without folder and ending.
-fn subjects(scene: &Scene) -> Vec<study::trees::Subject> {
-    let subject = |species: &scene::Species| {
-        let name = species.name.as_deref().unwrap_or(&scene.name);
-        let name = Path::new(name).file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let name = message::shown(&name, 60);
-        study::trees::Subject { name, seed: scene.seed, tree: species.tree.clone(), leaf: species.leaf.clone() }
-    };
-    scene.species.iter().map(subject).collect()
+fn families(asked: cli::Family) -> Vec<Family> {
+    use cli::Family as Asked;
+    match asked {
+        Asked::Deform => vec![Family::Deform],
+        Asked::Stability => vec![Family::Stability],
+        Asked::Chain => vec![Family::Chain],
+        Asked::Mesh => vec![Family::Mesh],
+        Asked::Raster => vec![Family::Raster],
+        Asked::LeftOut => vec![Family::LeftOut],
+        Asked::Quality => vec![Family::Quality],
+        Asked::Trees => vec![Family::Trees],
+        Asked::All => study::desk::ALL.to_vec(),
+    }
 }
 
 /// Reads a scene with its arguments and prints its warnings.

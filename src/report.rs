@@ -59,6 +59,41 @@ pub struct FrameReport {
     pub seconds: f64,
 }
 
+/// What was chosen for the error that a scene asks for. Errors are root mean squares in linear light.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Reached {
+    /// The error asked for.
+    pub asked: f64,
+    /// The error foreseen of the pictures, by measuring small ones.
+    pub reached: f64,
+    /// Whether the one is within the other.
+    pub is_within: bool,
+    /// Samples of a pixel.
+    pub samples: u32,
+    /// How many times as large in each direction a picture is drawn before it is averaged.
+    pub enlarged: u32,
+    /// Distance in pixels that a coarser mesh may lie from the full one.
+    pub lod_error_px: f64,
+    /// What was chosen for the leaves, species by species.
+    pub leaves: Vec<ChosenLeaf>,
+    /// The part of each stage in the error: leaf (the rim and the shapes of meshes), deform (the solver), raster (samples, levels
+    /// of detail and textures).
+    pub stages: BTreeMap<String, f64>,
+}
+
+/// What was chosen for the leaves of a species.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ChosenLeaf {
+    /// The species.
+    pub species: String,
+    /// Vertices of its meshes.
+    pub vertices: u32,
+    /// Tolerance of its shapes, extents of the blade.
+    pub tolerance: f64,
+    /// How far its meshes are from finer ones, root mean square, metres.
+    pub shape_error_m: f64,
+}
+
 /// The report of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Report {
@@ -77,6 +112,9 @@ pub struct Report {
     /// What the person should know of what was made.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
+    /// What was chosen for the error that the scene asks for, and what was reached.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub quality: Option<Reached>,
     /// What was left out and why.
     pub left_out: Vec<LeftOut>,
     /// The frames asked for.

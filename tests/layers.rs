@@ -30,7 +30,14 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "compose", "plan", "report", "plot",
         ],
     ),
-    ("study", &["base", "leaf", "tree", "species"]),
+    // The study is on top: it measures every stage by itself, and whole runs.
+    (
+        "study",
+        &[
+            "base", "frame", "leaf", "deform", "colour", "season", "fall", "tree", "raster", "export", "scene",
+            "compose", "plan", "report", "run", "plot", "compare", "species",
+        ],
+    ),
     ("cli", &["base", "run"]),
 ];
 

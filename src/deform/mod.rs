@@ -17,6 +17,8 @@ use crate::base::mesh::Mesh;
 use crate::base::picture::Picture;
 use crate::base::settings::Complaint;
 use crate::base::vector::{DVec3, Vec3};
+pub use paper::masses::mass;
+pub use paper::springs::Springs;
 pub use settings::{Automatic, Field, Model, Settings, StateShape, Step};
 use thiserror::Error;
 

@@ -87,7 +87,8 @@ pub(super) fn lay_out(plot: &Plot) -> Drawing {
     if !title.is_empty() {
         items.push(heading(&title, f64::from(width), sizes));
     }
-    let mut placed = place_rows(plot, sizes, f64::from(height), !title.is_empty());
+    let noted = notes(plot, sizes, [f64::from(width), f64::from(height)], &mut items);
+    let mut placed = place_rows(plot, sizes, f64::from(height) - noted, !title.is_empty());
     place_columns(&mut placed, sizes, f64::from(width));
     for panel in &placed {
         axes::draw(panel, &mut items);
@@ -107,6 +108,24 @@ fn heading(title: &str, width: f64, sizes: Sizes) -> Primitive {
     let (size, edge) = (sizes.letter * 1.2, sizes.letter);
     let text = cut(title, size, (width - 2.0 * edge) / BOLDNESS);
     Primitive::Text(Text { is_bold: true, ..Text::plain([edge, sizes.letter * 1.9], text, size, Anchor::Start, INK) })
+}
+
+/// Height of a line of the notes, in small letters.
+const NOTE_LINE: f64 = 1.35;
+
+/// Writes the notes at the foot of the chart; gives the height that they take, at most two fifths of it.
+fn notes(plot: &Plot, sizes: Sizes, [width, height]: [f64; 2], items: &mut Vec<Primitive>) -> f64 {
+    let line = sizes.small * NOTE_LINE;
+    let most = (height * 0.4 / line) as usize;
+    let lines: Vec<String> = plot.notes.iter().map(|note| cleaned(note)).filter(|note| !note.is_empty()).collect();
+    let shown = lines.iter().take(most);
+    let taken = shown.len() as f64 * line + if shown.len() > 0 { sizes.small } else { 0.0 };
+    for (number, note) in shown.enumerate() {
+        let base = height - taken + line * (number as f64 + 0.75);
+        let text = cut(note, sizes.small, width - 2.0 * sizes.letter);
+        items.push(Primitive::Text(Text::plain([sizes.letter, base], text, sizes.small, Anchor::Start, INK)));
+    }
+    taken
 }
 
 fn description(plot: &Plot) -> String {

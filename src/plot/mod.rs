@@ -69,6 +69,8 @@ pub struct Plot {
     pub panels: Vec<Panel>,
     /// Size of the letters in pixels (6 to 64); `None`: after the size of the chart.
     pub letters: Option<f64>,
+    /// Lines of text below the panels: what is not in the chart, and why.
+    pub notes: Vec<String>,
 }
 
 impl Default for Plot {
@@ -80,6 +82,7 @@ impl Default for Plot {
             description: String::new(),
             panels: vec![],
             letters: None,
+            notes: vec![],
         }
     }
 }

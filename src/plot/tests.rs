@@ -295,3 +295,15 @@ fn nothing_at_all_and_no_size_give_paper() {
     assert!(picture.pixels.iter().all(|pixel| *pixel == [255; 4]));
     assert_eq!(elements(&svg(&Plot::default())), ["svg", "rect"]);
 }
+
+#[test]
+fn notes_stand_below_the_panels_and_take_their_room() {
+    let panel = Panel { series: vec![Series::new("a", Style::Line, vec![[0.0, 1.0], [1.0, 2.0]])], ..Panel::default() };
+    let bare = Plot { panels: vec![panel], ..Plot::default() };
+    let noted = Plot { notes: vec!["left out: one, which diverged".into(), String::new()], ..bare.clone() };
+    let text = svg(&noted);
+    assert!(text.contains("left out: one, which diverged") && !svg(&bare).contains("left out"));
+    assert_ne!(picture(&bare), picture(&noted));
+    let many = Plot { notes: vec!["n".into(); 1000], ..bare };
+    assert!(svg(&many).matches(">n<").count() < 40, "the panels keep most of the chart");
+}

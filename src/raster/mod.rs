@@ -55,9 +55,6 @@ use tone::Tone;
 pub use layers::Site;
 pub use renderer::Renderer;
 
-/// The numbers of samples in a pixel that can be drawn.
-pub const SAMPLES: [u32; 8] = [1, 4, 8, 16, 32, 64, 128, 256];
-
 /// Everything the tiles read: made once a frame.
 struct Prepared<'a> {
     frame: &'a Frame,
@@ -81,8 +78,8 @@ pub fn draw(frame: &Frame) -> (Picture, Figures) {
 }
 
 impl Renderer {
-    /// Draws a frame. Meshes must pass their `check`; `frame.view` has at least one pixel and as many samples as [`SAMPLES`] lists. What
-    /// was drawn before changes nothing but the time that it takes.
+    /// Draws a frame. Meshes must pass their `check`; `frame.view` has at least one pixel. What was
+    /// drawn before changes nothing but the time that it takes.
     #[must_use]
     pub fn draw(&mut self, frame: &Frame) -> (Picture, Figures) {
         let (picture, _, figures) = self.drawn(frame, false);

@@ -8,7 +8,7 @@ use super::progress::{self, Event, Progress};
 use super::signals::Signals;
 use super::stopwatch::{self, timed};
 use super::wardrobe::Atelier;
-use super::{Options, Outcome, fault, files, layers, leaf_falls, shares_chart, states_file, wardrobe};
+use super::{Options, Outcome, enlargement, fault, files, layers, leaf_falls, shares_chart, states_file, wardrobe};
 use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault};
 use crate::base::figures::Figures;
 use crate::base::picture::Picture;
@@ -44,6 +44,8 @@ pub struct Run<'a> {
     states_text: String,
     renderer: Renderer,
     atelier: Atelier,
+    /// How many times as large pictures are drawn before they are averaged.
+    enlarged: u32,
 }
 
 impl<'a> Run<'a> {
@@ -52,7 +54,12 @@ impl<'a> Run<'a> {
         let trees = cells.iter().map(|cell| cell.stand.trees.len()).max().unwrap_or(0);
         let states_text = states_file::header(trees > 1, scene.sheet_column());
         let (renderer, atelier) = (Renderer::default(), Atelier::default());
-        Self { scene, options, cells, names, report, states_text, renderer, atelier }
+        Self { scene, options, cells, names, report, states_text, renderer, atelier, enlarged: 1 }
+    }
+
+    /// The same run with pictures that are drawn so many times as large.
+    pub fn enlarged(self, enlarged: u32) -> Self {
+        Self { enlarged, ..self }
     }
 
     /// The report and the text of the file of states.
@@ -225,7 +232,8 @@ impl<'a> Run<'a> {
                 let (picture, sites) = {
                     let inset = self.scene.output.inset.then(|| stock.inset(&worn, &frame)).flatten();
                     let wants_sites = !self.names.layers(index).is_empty();
-                    rasterised((&mut self.report, &mut self.renderer), &frame, inset.as_ref(), wants_sites)?
+                    let tools = (&mut self.report, &mut self.renderer);
+                    rasterised(tools, &frame, (self.enlarged, inset.as_ref()), wants_sites)?
                 };
                 pictures.push((self.scene.seeds.get(number).copied(), picture));
                 if let Some(sites) = sites {
@@ -334,17 +342,18 @@ impl<'a> Run<'a> {
 fn rasterised(
     (report, renderer): (&mut Report, &mut Renderer),
     frame: &Frame,
-    inset: Option<&Frame>,
+    (enlarged, inset): (u32, Option<&Frame>),
     wants_sites: bool,
 ) -> Result<(Picture, Option<Vec<Site>>), Diagnostics> {
     timed(report, "raster", || {
         let before = stopwatch::processor_seconds();
-        let (mut picture, sites, figures) = if wants_sites {
+        let (mut picture, sites, figures) = if wants_sites && enlarged <= 1 {
             let (picture, sites, figures) = renderer.draw_with_sites(frame);
             (picture, Some(sites), figures)
         } else {
-            let (picture, figures) = renderer.draw(frame);
-            (picture, None, figures)
+            let sites = wants_sites.then(|| renderer.draw_with_sites(frame).1);
+            let (picture, figures) = enlargement::drawn(renderer, frame, enlarged);
+            (picture, sites, figures)
         };
         if let Some(inset) = inset {
             picture_inset::place(&mut picture, &renderer.draw(inset).0);

@@ -3,6 +3,7 @@
 pub mod comparison;
 pub mod destination;
 mod drawing;
+pub mod enlargement;
 pub mod fault;
 pub mod files;
 pub mod frame_list;
@@ -17,9 +18,11 @@ mod names;
 mod prediction;
 mod preparation;
 pub mod progress;
+mod quality;
 mod shares_chart;
 pub mod signals;
 mod states_file;
+pub mod still;
 pub mod stopwatch;
 pub mod verify;
 mod wardrobe;
@@ -152,6 +155,16 @@ pub fn render(
     };
     let (kept, to_do): (Vec<i64>, Vec<i64>) = frames.iter().copied().partition(kept);
     progress.tell(Event::Started { frames: frames.len() as u64 });
+    let chosen = match scene.quality.error.filter(|_| !to_do.is_empty() && scene.cell_count() == 0) {
+        Some(error) => Some(quality::chosen(scene, error, &options.limits)?),
+        None => None,
+    };
+    let enlarged = chosen.as_ref().map_or(1, |chosen| chosen.reached.enlarged);
+    if let Some(chosen) = &chosen {
+        report.notes.extend(chosen.note());
+        report.quality = Some(chosen.reached.clone());
+    }
+    let scene = chosen.as_ref().map_or(scene, |chosen| &chosen.scene);
     let asked = Asked {
         frames: &to_do,
         limits: &options.limits,
@@ -164,7 +177,7 @@ pub fn render(
     report.left_out.extend(
         kept.iter().map(|frame| LeftOut { what: format!("raster frame {frame}"), reason: Reason::AlreadyDone }),
     );
-    let mut run = Run::new(scene, options, prepared, names, report);
+    let mut run = Run::new(scene, options, prepared, names, report).enlarged(enlarged);
     for frame in kept {
         run.count_kept(frame);
         progress.tell(Event::Kept { frame });

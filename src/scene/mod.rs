@@ -22,6 +22,7 @@ pub mod light;
 pub mod output;
 mod places;
 pub mod planting;
+pub mod quality;
 mod reader;
 pub mod schema;
 pub mod sheet;
@@ -75,6 +76,8 @@ pub struct Scene {
     pub ground: ground::Ground,
     /// How leaves fall.
     pub fall: fall::Settings,
+    /// The error that pictures may have.
+    pub quality: quality::Quality,
     /// Which files are written.
     pub output: output::Output,
     /// The texts that were read, in order: scene, species files.

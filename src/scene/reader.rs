@@ -233,6 +233,7 @@ impl Reader<'_> {
             image: self.settings(source, above, "image")?,
             ground: self.settings(source, above, "ground")?,
             fall: self.settings(source, above, "fall")?,
+            quality: self.settings(source, above, "quality")?,
             output: self.settings(source, above, "output")?,
             files: Vec::new(),
             places: Places::default(),

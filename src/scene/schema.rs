@@ -1,6 +1,8 @@
 //! The keys of the two kinds of file: scenes and species.
 
-use super::{camera::Camera, ground::Ground, image::Image, light::Light, output::Output, planting, sheet, time};
+use super::{
+    camera::Camera, ground::Ground, image::Image, light::Light, output::Output, planting, quality::Quality, sheet, time,
+};
 use crate::base::settings::{Described, Key, Kind, Schema};
 use crate::{colour, deform, fall, leaf, season, tree};
 use serde_json::Value;
@@ -60,6 +62,7 @@ fn cell() -> Schema {
         table::<Image>("image"),
         table::<Ground>("ground"),
         table::<fall::Settings>("fall"),
+        table::<Quality>("quality"),
         table::<Output>("output"),
     ]);
     Schema { doc: "A scene of leafseason: a tree in a season.".to_owned(), keys }

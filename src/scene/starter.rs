@@ -6,7 +6,7 @@ use serde_json::Value;
 use std::fmt::Write;
 
 /// The keys shown of each table, in order; a `#` writes the key as a comment, with an example.
-const KEYS: [(&str, &[(&str, &str)]); 10] = [
+const KEYS: [(&str, &[(&str, &str)]); 11] = [
     ("climate", &[("temperature", "8.0"), ("humidity", "0.7"), ("series", "#\"weather.csv\""), ("latitude", "#45.0")]),
     (
         "time",
@@ -26,6 +26,7 @@ const KEYS: [(&str, &[(&str, &str)]); 10] = [
     ("camera", &[("field_of_view", "")]),
     ("light", &[("sun_elevation", ""), ("sun_azimuth", ""), ("exposure", "")]),
     ("image", &[("width", ""), ("height", ""), ("samples", "")]),
+    ("quality", &[("error", "#0.01")]),
     ("output", &[("png", ""), ("gltf", "#\"merged\""), ("inset", "")]),
 ];
 

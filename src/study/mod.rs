@@ -1,12 +1,90 @@
-//! Studies: what the program makes, measured and held against what is known, as tables that a command prints.
+//! Studies: what the program makes, measured and held against what is known, and what it costs.
 //!
-//! A study is a list of lines; a line is a figure, what is asked of it and whether it is met. Nothing here draws a picture
-//! of a scene or is needed by one.
+//! Error against work, family by family: `deform` (ways to a leaf's shape), `stability` (how long a step may be) with `matrix`
+//! (stiff and extreme cases), `chain` (the seasons' law), `mesh` (blades), `raster` (pictures), `left_out` (what a scene does
+//! not need) and `quality` (the error that a scene asks for). A family writes a table, a chart and its part of `report.md`, and
+//! judges lines that pass or fail by errors, orders and counts, never by seconds. Columns whose names begin as in
+//! [`table::VOLATILE`] depend on the machine; all others are the same in every run.
+//!
+//! [`trees`] holds the species as trees against what is known of them.
 
+mod chain;
+mod chains;
+mod chart;
+mod count;
+mod deform;
+pub mod desk;
+mod environment;
 mod expectation;
+mod fan;
+mod grade;
+mod left_out;
+mod linear;
+mod matrix;
+mod mesh;
+pub mod numbers;
+mod oscillator;
+mod outlines;
+mod own;
+mod problems;
+mod quality;
+mod raster;
 mod silhouette;
+mod stability;
+mod stage;
 mod stature;
+mod statures;
+pub mod table;
+mod timing;
 pub mod trees;
+
+use crate::base::diagnostic::Diagnostics;
+pub use count::do_row;
+use desk::{Desk, Family, Request};
+use own::Own;
+
+/// Runs the families that are asked for; whether every line passes. `tell` is told of each row.
+///
+/// # Errors
+/// Scenes that cannot be made, files that cannot be written.
+pub fn run(request: &Request, tell: &mut dyn FnMut(&str)) -> Result<bool, Diagnostics> {
+    let mut desk = Desk::new(request, tell);
+    let scene = request.subject.as_ref().map(|subject| &subject.scene);
+    let looks_inside = [Family::Chain, Family::Mesh, Family::Deform].iter().any(|family| desk.has(*family));
+    let own = match scene.filter(|_| looks_inside) {
+        Some(scene) => Own::of(&mut desk, scene)?,
+        None => Own::default(),
+    };
+    // Built-in problems stand in for no part of a scene.
+    let is_free = |has_part: bool| scene.is_none() || has_part;
+    if desk.has(Family::Chain) && is_free(own.chain.is_some()) {
+        chain::study(&mut desk, own.chain)?;
+    }
+    if desk.has(Family::Mesh) && is_free(own.blade.is_some()) {
+        mesh::study(&mut desk, own.blade)?;
+    }
+    if desk.has(Family::Deform) && is_free(own.bending.is_some()) {
+        deform::study(&mut desk, own.bending)?;
+    }
+    // What is stable does not depend on a scene.
+    if desk.has(Family::Stability) && is_free(request.families.len() == 1) {
+        stability::study(&mut desk)?;
+        matrix::study(&mut desk)?;
+    }
+    if desk.has(Family::Raster) {
+        raster::study(&mut desk, scene)?;
+    }
+    if desk.has(Family::LeftOut) {
+        left_out::study(&mut desk)?;
+    }
+    if desk.has(Family::Quality) {
+        quality::study(&mut desk)?;
+    }
+    if desk.has(Family::Trees) {
+        statures::study(&mut desk)?;
+    }
+    desk.close()
+}
 
 /// One figure of a study.
 #[derive(Clone, Debug, PartialEq)]

@@ -43,8 +43,12 @@ pub struct Run {
     pub shapes: Vec<Vec<DVec3>>,
     /// Steps (of Newton's method: iterations) of all states.
     pub steps: u64,
+    /// Sparse factorisations of all states; none for the explicit ways.
+    pub factorisations: u64,
     /// Energies at the ends, in bending stiffnesses.
     pub energies: Vec<f64>,
+    /// Largest strain of an edge at the ends, stretched or pressed, relative to its length at rest.
+    pub strains: Vec<f64>,
 }
 
 /// Positions and velocities.
@@ -75,7 +79,7 @@ pub fn run<'a>(
     for &dryness in drynesses {
         let rest = drying.rest(dryness, 1.0);
         motion.velocities = vec![DVec3::zeros(); motion.positions.len()];
-        run.steps += u64::from(match method {
+        let taken = u64::from(match method {
             Method::Explicit { steps } => explicit::integrate(blade.sheet(), &rest, &mut motion, slowest, steps),
             Method::Implicit { steps } => implicit::integrate(&blade, &rest, &mut motion, slowest, steps),
             Method::PositionBased { steps } => {
@@ -83,11 +87,14 @@ pub fn run<'a>(
             }
             Method::Newton => 0,
         });
+        run.steps += taken;
+        run.factorisations += if matches!(method, Method::Implicit { .. }) { taken } else { 0 };
         let energy = blade.energy(&rest, &motion.positions);
         if !energy.is_finite() {
             return Err(DeformError::Diverged { step: run.steps });
         }
         run.energies.push(energy);
+        run.strains.push(blade.strain(&rest, &motion.positions));
         run.shapes.push(motion.positions.clone());
     }
     Ok(run)

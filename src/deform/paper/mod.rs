@@ -6,8 +6,9 @@
 
 mod curl;
 mod force;
-mod masses;
+pub mod masses;
 mod projection;
+pub mod springs;
 mod stability;
 mod system;
 

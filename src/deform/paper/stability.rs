@@ -18,7 +18,7 @@ pub fn largest_step(system: &System) -> f64 {
 }
 
 /// Largest eigenvalue of M^-1 K at rest, 1/s^2.
-fn fastest(system: &System) -> f64 {
+pub(super) fn fastest(system: &System) -> f64 {
     let count = system.rest.len();
     // A start that no symmetry of the leaf annuls.
     let mut shape: Vec<DVec3> = (0..count)

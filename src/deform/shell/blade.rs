@@ -54,6 +54,11 @@ impl Blade {
         energy(&self.sheet, rest, positions)
     }
 
+    /// Its largest strain.
+    pub fn strain(&self, rest: &Rest, positions: &[DVec3]) -> f64 {
+        super::strain(&self.sheet, &rest.lengths, positions)
+    }
+
     /// A solver of linear systems with its Hessian.
     pub fn linear(&self) -> Solver<'_> {
         Solver::new(&self.sheet, &self.plan)
@@ -86,10 +91,12 @@ impl Blade {
         let mut run = Run::default();
         for &dryness in drynesses {
             let (positions, outcome) = path.at(dryness)?;
-            run.shapes.push(positions);
             run.energies.push(outcome.energy);
+            run.strains.push(self.strain(&drying.rest(dryness, 1.0), &positions));
+            run.shapes.push(positions);
         }
         run.steps = path.work.iterations;
+        run.factorisations = path.work.factorisations;
         Ok(run)
     }
 }

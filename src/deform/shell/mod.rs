@@ -15,6 +15,7 @@ mod level;
 mod newton;
 mod overlap;
 mod path;
+pub mod plates;
 mod settings;
 mod sheet;
 mod tissue;

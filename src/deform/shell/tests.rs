@@ -2,42 +2,13 @@
 use super::energy::{Bent, Places, Rest, couplings, energy, stretches};
 use super::fold::Fold;
 use super::newton::{Plan, Solver};
+use super::plates::rectangle;
 use super::settings::Settings;
 use super::sheet::{Rib, Sheet, Spring, Tensor};
 use crate::base::flat_mesh::FlatMesh;
 use crate::base::random::{Purpose, Stream};
 use crate::base::vector::{DVec2, DVec3};
 use crate::deform::cholesky::Matrix;
-
-/// A rectangle of nearly equilateral triangles, `columns` of them along its length 1 and of the given width.
-fn rectangle(columns: u32, width: f64) -> FlatMesh {
-    let pitch = 1.0 / f64::from(columns);
-    let rows = ((width / (pitch * 0.75f64.sqrt())).round() as u32).max(1);
-    let mut mesh = FlatMesh::default();
-    // Odd rows are shifted by half a pitch and have their ends cut off, with a vertex at each end.
-    let row_length = |row: u32| if row.is_multiple_of(2) { columns + 1 } else { columns + 2 };
-    let place = |row: u32, i: u32| {
-        let x = if row.is_multiple_of(2) { f64::from(i) } else { (f64::from(i) - 0.5).clamp(0.0, f64::from(columns)) };
-        DVec2::new(x * pitch, f64::from(row) / f64::from(rows) * width - 0.5 * width)
-    };
-    let mut starts = Vec::new();
-    for row in 0..=rows {
-        starts.push(mesh.positions.len() as u32);
-        mesh.positions.extend((0..row_length(row)).map(|i| place(row, i)));
-    }
-    for row in 0..rows {
-        let (low, high) = (starts[row as usize], starts[row as usize + 1]);
-        if row.is_multiple_of(2) {
-            mesh.triangles.extend((0..=columns).map(|i| [low + i, high + i + 1, high + i]));
-            mesh.triangles.extend((0..columns).map(|i| [low + i, low + i + 1, high + i + 1]));
-        } else {
-            mesh.triangles.extend((0..=columns).map(|i| [low + i, low + i + 1, high + i]));
-            mesh.triangles.extend((0..columns).map(|i| [low + i + 1, high + i + 1, high + i]));
-        }
-    }
-    mesh.greys = vec![0.0; mesh.positions.len()];
-    mesh
-}
 
 fn sheet(settings: &Settings, mesh: &FlatMesh) -> Sheet {
     Sheet::new(settings, mesh, 1.0, &vec![Rib::default(); mesh.triangles.len()])

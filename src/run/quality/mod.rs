@@ -1,0 +1,116 @@
+//! Chooses what a scene's pictures are made with so that they stay within an error at the least cost.
+//!
+//! Three parts make the error of a picture, and they are independent. How far meshes are from finer ones, in pixels, times
+//! how steep the picture is (`shape`): that gives the vertices. The solver's tolerance, likewise. And samples, levels of detail
+//! and textures, which are measured on small pictures against one that is drawn many times as large (`probe`); a small picture
+//! has more edges for its pixels, so that what is measured there is an upper estimate. The frames that are looked at are the
+//! scene's first, middle and last, whichever are asked for, so that the choice is the same for every shard.
+
+mod probe;
+mod shape;
+
+use super::still::Still;
+use crate::base::diagnostic::Diagnostics;
+use crate::base::limits::{Limit, Limits};
+use crate::report::{ChosenLeaf, Reached};
+use crate::scene::Scene;
+use probe::Probe;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The share of the error asked for that is planned with.
+const PLANNED: f64 = 0.9;
+/// The most that meshes, and the solver, may take of it.
+const OF_SHAPE: f64 = 0.35;
+const OF_SOLVER: f64 = 0.1;
+/// Tolerances of the solver, extents; coarser ones are no cheaper.
+const TOLERANCES: [f64; 6] = [1e-2, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6];
+
+/// A scene with its settings chosen.
+pub struct Chosen {
+    /// The scene to be drawn.
+    pub scene: Scene,
+    /// What was chosen and is foreseen.
+    pub reached: Reached,
+}
+
+impl Chosen {
+    /// What the person should know when the error is out of reach.
+    pub fn note(&self) -> Option<String> {
+        let Reached { asked, reached, is_within, .. } = self.reached;
+        (!is_within).then(|| {
+            format!(
+                "quality.error = {asked} is out of reach: about {reached:.2e} is the least that pictures come to here"
+            )
+        })
+    }
+}
+
+/// Chooses for a scene and the error that its pictures may have.
+///
+/// # Errors
+/// What stops a run of the scene.
+pub fn chosen(scene: &Scene, error: f64, limits: &Limits) -> Result<Chosen, Diagnostics> {
+    let mut chosen = Chosen { scene: scene.clone(), reached: Reached { asked: error, ..Reached::default() } };
+    if !scene.output.png {
+        // Nothing is seen; a file of meshes keeps what the author set.
+        chosen.reached.is_within = true;
+        chosen.reached.samples = scene.image.samples;
+        chosen.reached.lod_error_px = scene.image.lod_error;
+        chosen.reached.enlarged = 1;
+        return Ok(chosen);
+    }
+    let planned = error * PLANNED;
+    let mut probes = Vec::new();
+    for index in frames(scene) {
+        let still = Still::new(scene, index, limits)?;
+        let probe = Probe::new(&still, scene)?;
+        probes.push((still, probe));
+    }
+    let (mut shape_square, mut solver_square) = (0.0f64, 0.0f64);
+    for number in 0..scene.species.len() {
+        // The steepest picture with the nearest leaves decides.
+        let sensitivity = probes.iter().map(|(_, probe)| probe.sensitivity(number)).fold(0.0, f64::max);
+        let Some((still, _)) = probes.iter().find(|(_, probe)| probe.sensitivity(number) > 0.0) else { continue };
+        let (leaf, shape, solver) = leaf(still, number, sensitivity, planned)?;
+        chosen.scene.species[number].leaf.vertices = leaf.vertices;
+        chosen.scene.species[number].deform.shell.tolerance = leaf.tolerance;
+        chosen.reached.leaves.push(leaf);
+        shape_square += shape * shape;
+        solver_square += solver * solver;
+    }
+    let room = (planned * planned - shape_square - solver_square).max(0.0).sqrt();
+    let pixels = scene.image.pixels();
+    let fits = |times: u32| limits.allow(Limit::Pixels, "image", pixels * f64::from(times * times)).is_ok();
+    let mut probes: Vec<Probe> = probes.into_iter().map(|(_, probe)| probe).collect();
+    let (sampling, raster) = probe::cheapest(&mut probes, room, fits);
+    chosen.scene.image.samples = sampling.samples;
+    chosen.scene.image.lod_error = f64::from(sampling.lod_error());
+    chosen.reached.lod_error_px = f64::from(sampling.lod_error());
+    let reached = (shape_square + solver_square + raster * raster).sqrt();
+    let parts = [("leaf", shape_square.sqrt()), ("deform", solver_square.sqrt()), ("raster", raster)];
+    chosen.reached.stages = parts.map(|(name, part)| (name.to_owned(), part)).into_iter().collect::<BTreeMap<_, _>>();
+    chosen.reached.samples = sampling.samples;
+    chosen.reached.enlarged = sampling.enlarged;
+    chosen.reached.reached = reached;
+    chosen.reached.is_within = reached <= error;
+    Ok(chosen)
+}
+
+/// The frames that are looked at.
+fn frames(scene: &Scene) -> BTreeSet<i64> {
+    let last = (scene.time.count() as i64 - 1).max(0);
+    [0, last / 2, last].into()
+}
+
+/// The leaves of a species: what is chosen, and the errors of meshes and solver in the picture.
+fn leaf(still: &Still, number: usize, sensitivity: f64, planned: f64) -> Result<(ChosenLeaf, f64, f64), Diagnostics> {
+    let (vertices, metres) = shape::coarsest(still, number, planned * OF_SHAPE / sensitivity)?;
+    let species = &still.scene().species[number];
+    let extent = species.leaf.length * 1e-3;
+    let of_solver = |tolerance: f64| tolerance * extent * sensitivity;
+    let fine = TOLERANCES.into_iter().find(|&tolerance| of_solver(tolerance) <= planned * OF_SOLVER);
+    let tolerance = fine.unwrap_or(TOLERANCES[TOLERANCES.len() - 1]);
+    let label = species.label().to_owned();
+    let chosen = ChosenLeaf { species: label, vertices, tolerance, shape_error_m: metres };
+    Ok((chosen, metres * sensitivity, of_solver(tolerance)))
+}

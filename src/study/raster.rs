@@ -1,0 +1,192 @@
+//! Pictures: samples and levels of detail against the error in linear light.
+
+use super::chart::{self, Curve};
+use super::desk::Desk;
+use super::fan;
+use super::linear::{Linear, reference, structural_similarity};
+use super::numbers::{beaten_by, shown, slope};
+use super::stage::{self, staged};
+use super::table::{Field, Table};
+use super::timing::{Case, Effort, measured};
+use crate::base::diagnostic::Diagnostics;
+use crate::compare;
+use crate::frame::Frame;
+use crate::raster;
+use crate::run::still::Still;
+use crate::scene::Scene;
+use crate::scene::image::SAMPLES;
+
+const COLUMNS: [&str; 14] = [
+    "scene",
+    "pattern",
+    "spp",
+    "lod_error_px",
+    "rmse_linear",
+    "relmse",
+    "flip_mean",
+    "ssim",
+    "own_estimate",
+    "cpu_ms",
+    "cpu_ms_q1",
+    "cpu_ms_q3",
+    "cpu_rounds",
+    "ratio_to_1spp",
+];
+/// Sides by which references are enlarged, the one and another that it is held against: 4,096 and 2,304 samples in a pixel.
+const SIDES: [u32; 2] = [16, 12];
+/// Those of a quick study and of large pictures: 1,024 and 576.
+const FEW_SIDES: [u32; 2] = [8, 6];
+/// Most pixels of an enlarged picture; larger references take smaller sides.
+const MOST_PIXELS: u32 = 20_000_000;
+
+/// A frame that is drawn, and what it should look like.
+struct Subject {
+    name: String,
+    frame: Frame,
+    exact: Linear,
+    /// How far another reference lies from that one.
+    floor: f64,
+}
+
+/// Runs the family, on the scene's own camera if there is a scene.
+///
+/// # Errors
+/// Scenes that cannot be made, files that cannot be written.
+pub fn study(desk: &mut Desk<'_>, own: Option<&Scene>) -> Result<(), Diagnostics> {
+    let mut subjects = Vec::new();
+    match own {
+        Some(scene) => subjects.push(of_scene(desk, &scene.name, scene)?),
+        None => {
+            let exact = fan::coverage();
+            subjects.push(Subject { name: "fan".to_owned(), frame: fan::frame(), exact, floor: 0.0 });
+            for (name, text) in [("leaf", stage::LEAF), ("tree", stage::TREE)] {
+                let (scene, _) = staged(desk, name, text, &[])?;
+                subjects.push(of_scene(desk, name, &scene)?);
+            }
+        }
+    }
+    let mut table = Table::new(&COLUMNS);
+    let mut curves = Vec::new();
+    for subject in &subjects {
+        curves.push(Curve::new(subject.name.clone(), ladder(desk, subject, &mut table)));
+    }
+    desk.write_table("raster.csv", &table)?;
+    let frame = chart::Frame {
+        title: "Pictures: error against samples",
+        x: ["samples in a pixel", ""],
+        y: ["root mean square error in linear light", ""],
+        orders: &[-0.5, -0.75],
+        floor: Some(subjects.iter().map(|subject| subject.floor).fold(0.0, f64::max)),
+        left_out: &["random and jittered samples: of the patterns tried before, rooks cost least and are as good"],
+    };
+    desk.write_chart("raster", &chart::chart(&frame, &curves))?;
+    judge(desk, &subjects, &curves, own.is_none());
+    let columns = ["scene", "spp", "rmse_linear", "relmse", "flip_mean", "ssim", "own_estimate", "cpu_ms"];
+    let columns = [&columns[..], &["ratio_to_1spp"]].concat();
+    let text = format!(
+        "The fan's reference is its coverage in closed form; those of the others are drawn {} times as large and averaged \
+         in linear light. `own_estimate` is what the rasteriser itself tells of its antialiasing (before the tone \
+         curve).\n\n![error against samples](raster.png)\n\n{}",
+        sides(desk, &subjects[subjects.len() - 1].frame)[0],
+        table.markdown(&columns)
+    );
+    desk.section("Pictures", &text);
+    Ok(())
+}
+
+/// The two sides by which a frame's references are enlarged.
+fn sides(desk: &Desk<'_>, frame: &Frame) -> [u32; 2] {
+    let wanted = if desk.request.quick { FEW_SIDES } else { SIDES };
+    let pixels = frame.view.width * frame.view.height;
+    let fits = |side: u32| (1..=side).rev().find(|side| pixels.saturating_mul(side * side) <= MOST_PIXELS).unwrap_or(1);
+    wanted.map(fits)
+}
+
+fn of_scene(desk: &mut Desk<'_>, name: &str, scene: &Scene) -> Result<Subject, Diagnostics> {
+    let (frame, _) = Still::new(scene, 0, &desk.request.limits)?.frame()?;
+    let [side, other] = sides(desk, &frame);
+    let most = SAMPLES[SAMPLES.len() - 1].min(16);
+    desk.tell(&format!("raster {name}: reference of {} samples", side * side * most));
+    let exact = reference(&frame, side, most);
+    // The smaller one with another pattern.
+    let floor = reference(&frame, other, 8).distance(&exact).rmse;
+    Ok(Subject { name: name.to_owned(), frame, exact, floor })
+}
+
+/// One frame with rising samples; samples and errors.
+fn ladder(desk: &mut Desk<'_>, subject: &Subject, table: &mut Table) -> Vec<[f64; 2]> {
+    let frames = SAMPLES.map(|samples| {
+        let mut frame = subject.frame.clone();
+        frame.view.samples = samples;
+        frame
+    });
+    let cases: Vec<Case<'_>> = frames.iter().map(|frame| Case::new(move || digested(frame))).collect();
+    let effort = Effort { budget: 2.0, ..Effort::of(desk.request.quick) };
+    let times = measured(&cases, effort);
+    let mut points = Vec::new();
+    for (frame, times) in frames.iter().zip(times) {
+        let samples = frame.view.samples;
+        let (picture, figures) = raster::draw(frame);
+        let found = Linear::of(&picture);
+        let distance = found.distance(&subject.exact);
+        let flip = compare::compare(&picture, &encoded(&subject.exact)).map(|comparison| comparison.flip).ok();
+        let name = format!("raster {} {samples} spp", subject.name);
+        desk.steady(&name, times.is_same);
+        desk.tell(&format!("{name}: RMSE {}, {} ms", shown(distance.rmse), shown(times.seconds[1] * 1e3)));
+        table.push(vec![
+            subject.name.as_str().into(),
+            "rooks".into(),
+            samples.into(),
+            figures.values.get("lod_error_px").and_then(serde_json::Value::as_f64).into(),
+            distance.rmse.into(),
+            distance.relative.into(),
+            flip.into(),
+            structural_similarity(&found, &subject.exact).into(),
+            figures.error.map_or(Field::Number(None), |error| error.value.into()),
+            (times.seconds[1] * 1e3).into(),
+            (times.seconds[0] * 1e3).into(),
+            (times.seconds[2] * 1e3).into(),
+            times.rounds.into(),
+            times.ratio[1].into(),
+        ]);
+        points.push([f64::from(samples), distance.rmse]);
+    }
+    points
+}
+
+fn digested(frame: &Frame) -> u64 {
+    let (picture, _) = raster::draw(frame);
+    picture.pixels.iter().fold(0, |sum, pixel| crate::base::random::hash(sum, u64::from(u32::from_le_bytes(*pixel))))
+}
+
+/// A picture in linear light as one of 8 bits.
+fn encoded(linear: &Linear) -> crate::base::picture::Picture {
+    let code = crate::base::maths::linear_to_srgb8;
+    let pixel = |p: &[f32; 3]| [code(p[0]), code(p[1]), code(p[2]), 255];
+    crate::base::picture::Picture {
+        width: linear.width,
+        height: linear.height,
+        pixels: linear.pixels.iter().map(pixel).collect(),
+    }
+}
+
+fn judge(desk: &mut Desk<'_>, subjects: &[Subject], curves: &[Curve], is_built_in: bool) {
+    if is_built_in {
+        let slope = slope(&curves[0].points).unwrap_or(0.0);
+        let smallest = |curve: &Curve| curve.points.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
+        let shares: Vec<f64> =
+            subjects.iter().zip(curves).map(|(subject, curve)| subject.floor / smallest(curve)).collect();
+        let worst = shares.iter().copied().fold(0.0, f64::max);
+        let asked = "error falls with samples to the power -0.65 or faster (fan of edges, exact reference); two references \
+                     differ by less than a fifth of the smallest error";
+        let found = format!("power {slope:.3}; references differ by {worst:.3} of the smallest error");
+        desk.judge("P9", slope <= -0.65 && worst < 0.2, asked, found);
+    }
+    let default = crate::scene::image::Image::default().samples;
+    for (subject, curve) in subjects.iter().zip(curves).filter(|(subject, _)| subject.name != "fan") {
+        let Some(row) = curve.points.iter().position(|point| point[0] == f64::from(default)) else { continue };
+        let beaten = beaten_by(&curve.points, row, 0.0);
+        let found = format!("{}: {default} samples, error {}", subject.name, shown(curve.points[row][1]));
+        desk.judge("F2", beaten.is_empty(), "the default samples lie on the front of error and samples", found);
+    }
+}

@@ -1,0 +1,58 @@
+//! The family of the species as trees, of a scene or all built-in ones.
+
+use super::desk::{Desk, bug};
+use super::trees::{self, Failure};
+use super::{csv, table};
+use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault};
+use crate::base::message;
+use crate::run::fault;
+use crate::scene::{self, Scene};
+use std::path::Path;
+
+/// Runs the family. A scene whose leaf is a scan has none: the study measures leaves by their outline.
+///
+/// # Errors
+/// What rules, outlines or limits refuse; files that cannot be written; a scan when nothing else is asked for.
+pub fn study(desk: &mut Desk<'_>) -> Result<(), Diagnostics> {
+    let request = desk.request;
+    let scene = request.subject.as_ref().map(|subject| &subject.scene);
+    let is_scanned = |scene: &&Scene| scene.species.iter().any(|species| species.assets.contains_key("leaf.picture"));
+    if let Some(scene) = scene.filter(is_scanned) {
+        let what = "the study of trees measures leaves by their outline, and here is a scan";
+        if request.families.len() > 1 {
+            desk.section("Trees", &format!("Left out: {what}."));
+            return Ok(());
+        }
+        let place = scene.places.of("leaf.picture");
+        return Err(Diagnostic::error(Fault::Scene, what, "trace it first and give leaf.outline").at(place).into());
+    }
+    let subjects = scene.map_or_else(trees::built_in, subjects);
+    let lines = trees::lines(&subjects, &request.limits, request.quick).map_err(|(number, failure)| {
+        match (failure, scene.map(|scene| &scene.species[number])) {
+            (Failure::Tree(error), Some(species)) => fault::tree(species, &error),
+            (Failure::Leaf(error), Some(species)) => fault::leaf(species, &error),
+            (failure, None) => bug(&failure.to_string()),
+        }
+    })?;
+    for line in &lines {
+        let value = line.value.map_or_else(|| "none".to_owned(), |value| format!("{value:.3}"));
+        desk.tell(&format!("trees {}: {} {value}", line.subject, line.figure));
+    }
+    desk.write("trees.csv", csv(&lines).as_bytes())?;
+    let missed = lines.iter().filter(|line| !line.is_met()).count();
+    let found = format!("{} of {} figures", lines.len() - missed, lines.len());
+    desk.judge("T1", missed == 0, "the figures of trees lie in the ranges of floras and judgement", found);
+    desk.section("Trees", &format!("```text\n{}```", table(&lines)));
+    Ok(())
+}
+
+/// A scene's species, in their order; a species file goes by its name without folder and ending.
+fn subjects(scene: &Scene) -> Vec<trees::Subject> {
+    let subject = |species: &scene::Species| {
+        let name = species.name.as_deref().unwrap_or(&scene.name);
+        let name = Path::new(name).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let name = message::shown(&name, 60);
+        trees::Subject { name, seed: scene.seed, tree: species.tree.clone(), leaf: species.leaf.clone() }
+    };
+    scene.species.iter().map(subject).collect()
+}
