@@ -155,13 +155,14 @@ impl Atmosphere {
         }
     }
 
-    /// A colour seen from the eye over this way through the air, metres: what it loses is replaced by the light of the
-    /// horizon behind it. Blue goes first (air and fine haze scatter with a power of about -1.3 of the wavelength).
-    pub(super) fn hazed(&self, colour: [f32; 3], way: Vec3) -> [f32; 3] {
+    /// What the air does to each channel over this way from the eye, metres: the share of radiance that it keeps, and the
+    /// radiance that it adds. What is lost is replaced by the light of the horizon behind it. Blue goes first (air and fine haze
+    /// scatter with a power of about -1.3 of the wavelength).
+    pub(super) fn air(&self, way: Vec3) -> [[f32; 2]; 3] {
         let distance = way.norm();
         let depth = distance / self.haze;
         if depth < 2e-3 {
-            return colour;
+            return [[1.0, 0.0]; 3];
         }
         let level = Vec3::new(way.x / distance, (way.y / distance).max(0.04), way.z / distance);
         let horizon = self.sky(level.normalize());
@@ -169,8 +170,14 @@ impl Atmosphere {
             let met = depth * AIR[k];
             // The first terms of the series are enough for what is near.
             let lost = if met < 0.1 { met * (1.0 - 0.5 * met) } else { 1.0 - expf(-met) };
-            colour[k] + (horizon[k] - colour[k]) * lost
+            [1.0 - lost, horizon[k] * lost]
         })
+    }
+
+    /// A colour seen over this way through the air, metres.
+    pub(super) fn hazed(&self, colour: [f32; 3], way: Vec3) -> [f32; 3] {
+        let air = self.air(way);
+        std::array::from_fn(|k| colour[k] * air[k][0] + air[k][1])
     }
 
     /// How much of the sun's disc stands above the horizon.

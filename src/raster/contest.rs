@@ -49,8 +49,11 @@ fn contest_eight<W: Simd, const S: usize>(
     owner: u32,
 ) -> bool {
     let part = from..from + 8;
-    let edge = |k: usize| i32x8::from_slice(simd, &edges.samples[k][part.clone()]) + i32x8::splat(simd, at[k]);
-    let outside = edge(0) | edge(1) | edge(2);
+    let mut outside = i32x8::splat(simd, 0);
+    for k in 0..3 {
+        let samples = i32x8::from_slice(simd, &edges.samples[k][from..from + 8]);
+        outside = outside | (samples + i32x8::splat(simd, at[k]));
+    }
     let value = f32x8::from_slice(simd, &plane.samples[part.clone()]) + f32x8::splat(simd, nearness);
     let (low, high) = (f32x8::splat(simd, plane.low), f32x8::splat(simd, plane.high));
     let value = value.simd_lt(low).select(low, value);

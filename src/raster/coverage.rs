@@ -71,9 +71,8 @@ fn margin<const S: usize>(pattern: &[[i32; 2]; S]) -> i32 {
 /// Twice the area of a triangle, positive where y points down and it winds clockwise as seen.
 #[inline(always)]
 pub(super) fn doubled_area([a, b, c]: &[Vertex; 3]) -> i64 {
-    let side = |from: &Vertex, to: &Vertex| {
-        [to.x.wrapping_sub(from.x), to.y.wrapping_sub(from.y)].map(|difference| i64::from(difference))
-    };
+    let side =
+        |from: &Vertex, to: &Vertex| [i64::from(to.x.wrapping_sub(from.x)), i64::from(to.y.wrapping_sub(from.y))];
     let ([bx, by], [cx, cy]) = (side(a, b), side(a, c));
     bx.wrapping_mul(cy).wrapping_sub(cx.wrapping_mul(by))
 }
@@ -104,7 +103,8 @@ impl<const S: usize> Nearest<S> {
                 let (nearness, owner) = (&mut self.nearness[y * SIDE + x], &mut self.owner[y * SIDE + x]);
                 let corner = background.at + background.right * x as f32 + background.down * y as f32;
                 for s in 0..S {
-                    let [sx, sy] = [0, 1].map(|axis| self.pattern[axis][s] as f32 * (1.0 / SUBPIXEL as f32));
+                    let sx = self.pattern[0][s] as f32 * (1.0 / SUBPIXEL as f32);
+                    let sy = self.pattern[1][s] as f32 * (1.0 / SUBPIXEL as f32);
                     let value = corner + background.right * sx + background.down * sy;
                     let below = value > 0.0;
                     nearness[s] = if below { value } else { 0.0 };
@@ -135,7 +135,8 @@ impl<const S: usize> Nearest<S> {
     /// since then it can only have come nearer.
     #[inline(always)]
     fn is_known_to_hide(&self, bounds: [usize; 4], nearness: f32) -> bool {
-        let [left, top, right, bottom] = bounds.map(|edge| edge / BLOCK);
+        let [left, top, right, bottom] = bounds;
+        let (left, top, right, bottom) = (left / BLOCK, top / BLOCK, right / BLOCK, bottom / BLOCK);
         left == right && top == bottom && self.farthest[top * BLOCKS + left] >= nearness
     }
 
@@ -179,7 +180,7 @@ impl<const S: usize> Nearest<S> {
             return false;
         }
         let positive = if doubled_area > 0 { [a, b, c] } else { [a, c, b] };
-        let bounds = [left, top, right, bottom].map(|edge| edge as usize);
+        let bounds = [left as usize, top as usize, right as usize, bottom as usize];
         let high = a.nearness.max(b.nearness).max(c.nearness);
         if self.is_known_to_hide(bounds, high) {
             return false;
@@ -214,16 +215,20 @@ impl<const S: usize> Nearest<S> {
         let edges = Edges::<i32, S>::new(triangle, &self.pattern, origin);
         let steps = i32x8::from_slice(simd, &[0, 1, 2, 3, 4, 5, 6, 7]);
         let (low, high) = (f32x8::splat(simd, plane.low), f32x8::splat(simd, plane.high));
-        let start = [0, 1, 2].map(|k| steps * edges.right[k] + edges.samples[k][0].wrapping_add(edges.at[k]));
+        let mut start = [steps; 3];
+        for k in 0..3 {
+            start[k] = steps * edges.right[k] + edges.samples[k][0].wrapping_add(edges.at[k]);
+        }
         let start_nearness = steps.to_float::<f32x8<W>>() * plane.right + (plane.at + plane.samples[0]);
         let mut won = false;
         for (row, y) in (top..=bottom).enumerate() {
             for (column, block) in (first..=last).enumerate() {
-                let edge = |k: usize| {
-                    let right = edges.right[k].wrapping_mul((column * BLOCK) as i32);
-                    start[k] + edges.down[k].wrapping_mul(row as i32).wrapping_add(right)
-                };
-                let outside = edge(0) | edge(1) | edge(2);
+                let (down, across) = (row as i32, (column * BLOCK) as i32);
+                let mut outside = i32x8::splat(simd, 0);
+                for k in 0..3 {
+                    let right = edges.right[k].wrapping_mul(across);
+                    outside = outside | (start[k] + edges.down[k].wrapping_mul(down).wrapping_add(right));
+                }
                 let value = start_nearness + (plane.right * (column * BLOCK) as f32 + plane.down * row as f32);
                 let value = value.simd_lt(low).select(low, value);
                 let value = value.simd_gt(high).select(high, value);
@@ -300,7 +305,9 @@ impl<const S: usize> Nearest<S> {
                     won = true;
                     self.stale |= 1 << (y / BLOCK * BLOCKS + x / BLOCK);
                 }
-                at = std::array::from_fn(|k| at[k].plus(edges.right[k]));
+                for k in 0..3 {
+                    at[k] = at[k].plus(edges.right[k]);
+                }
                 nearness += plane.right;
             }
         }

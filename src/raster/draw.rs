@@ -101,7 +101,9 @@ fn compute<W: Simd, const S: usize>(
         scratch.corners.place(simd, projection, map, cluster, corner);
         let Scratch { corners, won, .. } = scratch;
         for (number, triangle) in cluster.triangles.iter().enumerate() {
-            let vertices = triangle.map(|v| corners.vertex(usize::from(v)));
+            let [a, b, c] = *triangle;
+            let vertices =
+                [corners.vertex(usize::from(a)), corners.vertex(usize::from(b)), corners.vertex(usize::from(c))];
             contest(simd, nearest, won, vertices, (number, first_owner), two_sided);
         }
         return;
@@ -151,12 +153,10 @@ impl Corners {
         self.nearness.resize(count, 0.0);
         let [[a, b, c], [d, e, f], [g, h, i]] = map.linear.data.0;
         let [t, u, v]: [f32; 3] = map.translation.into();
-        let fixed = |pixels: f32x8<W>, corner: usize| {
-            let floor = (pixels * SUBPIXEL as f32 + 0.5).floor().to_int::<i32x8<W>>();
-            floor - i32x8::splat(simd, (corner as i32).wrapping_mul(SUBPIXEL))
-        };
         for from in (0..count).step_by(LANES) {
-            let [x, y, z] = [0, 1, 2].map(|k| f32x8::from_slice(simd, &cluster.coordinates[k][from..from + LANES]));
+            let x = f32x8::from_slice(simd, &cluster.coordinates[0][from..from + LANES]);
+            let y = f32x8::from_slice(simd, &cluster.coordinates[1][from..from + LANES]);
+            let z = f32x8::from_slice(simd, &cluster.coordinates[2][from..from + LANES]);
             let across = x * a + y * d + z * g + t;
             let down = x * b + y * e + z * h + u;
             let ahead = x * c + y * f + z * i + v;
@@ -167,11 +167,18 @@ impl Corners {
                     (across * nearness, down * nearness, nearness)
                 }
             };
-            fixed(across, corner.x).store_slice(&mut self.x[from..from + LANES]);
-            fixed(down, corner.y).store_slice(&mut self.y[from..from + LANES]);
+            fixed(simd, across, corner.x).store_slice(&mut self.x[from..from + LANES]);
+            fixed(simd, down, corner.y).store_slice(&mut self.y[from..from + LANES]);
             nearness.store_slice(&mut self.nearness[from..from + LANES]);
         }
     }
+}
+
+/// Pixels in units of 1/256 from a tile's corner.
+#[inline(always)]
+fn fixed<W: Simd>(simd: W, pixels: f32x8<W>, corner: usize) -> i32x8<W> {
+    let floor = (pixels * SUBPIXEL as f32 + 0.5).floor().to_int::<i32x8<W>>();
+    floor - i32x8::splat(simd, (corner as i32).wrapping_mul(SUBPIXEL))
 }
 
 /// Draws a triangle and lists it if it wins a sample.

@@ -121,7 +121,7 @@ impl<E: EdgeValue, const S: usize> Edges<E, S> {
             edges.right[k] = zero.minus(dy.times(E::from_i32(SUBPIXEL)));
             edges.down[k] = dx.times(E::from_i32(SUBPIXEL));
             for s in 0..S {
-                let [sx, sy] = [0, 1].map(|axis| E::from_i32(pattern[axis][s]));
+                let (sx, sy) = (E::from_i32(pattern[0][s]), E::from_i32(pattern[1][s]));
                 edges.samples[k][s] = dx.times(sy).minus(dy.times(sx));
             }
         }
@@ -132,7 +132,11 @@ impl<E: EdgeValue, const S: usize> Edges<E, S> {
     #[inline(always)]
     pub(super) fn moved(&self, right: i32, down: i32) -> [E; 3] {
         let (right, down) = (E::from_i32(right), E::from_i32(down));
-        std::array::from_fn(|k| self.at[k].plus(self.right[k].times(right)).plus(self.down[k].times(down)))
+        let mut at = self.at;
+        for k in 0..3 {
+            at[k] = at[k].plus(self.right[k].times(right)).plus(self.down[k].times(down));
+        }
+        at
     }
 
     /// Whether one edge has all of a box (left, top, right, bottom; inclusive) on its outer side.

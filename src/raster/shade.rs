@@ -109,8 +109,7 @@ fn through_air(prepared: &Prepared, item: &Item, visible: &mut Visible, point: &
     let air = visible.air.get_or_insert_with(|| {
         let transform = &prepared.instances[item.instance as usize].transform;
         let way = transform.point(item.cluster_in(&prepared.meshes).centre) - eye;
-        let [black, white] = [0.0, 1.0].map(|value| prepared.atmosphere.hazed([value; 3], way));
-        std::array::from_fn(|k| [white[k] - black[k], black[k]])
+        prepared.atmosphere.air(way)
     });
     std::array::from_fn(|k| colour[k] * air[k][0] + air[k][1])
 }

@@ -138,13 +138,12 @@ impl Prepared<'_> {
         // No meadow is farther away than the wood that closes it off.
         let farthest = ground.wood.map_or(f32::MAX, |wood| wood.distance);
         let way = ray * distance.min(farthest);
-        let air = self.atmosphere.hazed([0.0; 3], way);
-        let white = self.atmosphere.hazed([1.0; 3], way);
+        let air = self.atmosphere.air(way);
         GroundLight {
             sun: self.frame.sun.irradiance.map(|e| e * meeting),
             ambient: self.ambient(position).irradiance(Vec3::y()).map(|e| e / PI),
-            kept: std::array::from_fn(|k| white[k] - air[k]),
-            air,
+            kept: air.map(|channel| channel[0]),
+            air: air.map(|channel| channel[1]),
         }
     }
 
