@@ -5,6 +5,15 @@ use super::setup::{EdgeValue, Edges, Plane};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, i32x8, u32x8};
 
+/// What a triangle brings to a pixel.
+#[derive(Clone, Copy)]
+pub(super) struct Claim {
+    /// Its nearness at the pixel's corner.
+    pub nearness: f32,
+    /// Who it is.
+    pub owner: u32,
+}
+
 /// The samples of a pixel.
 pub(super) struct Pixel<'a, const S: usize> {
     /// Their nearness.
@@ -21,17 +30,16 @@ fn contest_sample<E: EdgeValue, const S: usize>(
     edges: &Edges<E, S>,
     at: [E; 3],
     plane: &Plane<S>,
-    nearness: f32,
-    owner: u32,
+    claim: Claim,
 ) -> bool {
     let edge = |k: usize| at[k].plus(edges.samples[k][s]);
-    let value = nearness + plane.samples[s];
+    let value = claim.nearness + plane.samples[s];
     let value = if value < plane.low { plane.low } else { value };
     let value = if value > plane.high { plane.high } else { value };
     let wins = !(edge(0) | edge(1) | edge(2)).is_negative() && value > pixel.nearness[s];
     if wins {
         pixel.nearness[s] = value;
-        pixel.owner[s] = owner;
+        pixel.owner[s] = claim.owner;
     }
     wins
 }
@@ -45,16 +53,15 @@ fn contest_eight<W: Simd, const S: usize>(
     edges: &Edges<i32, S>,
     at: [i32; 3],
     plane: &Plane<S>,
-    nearness: f32,
-    owner: u32,
+    claim: Claim,
 ) -> bool {
     let part = from..from + 8;
     let mut outside = i32x8::splat(simd, 0);
     for k in 0..3 {
         let samples = i32x8::from_slice(simd, &edges.samples[k][from..from + 8]);
-        outside = outside | (samples + i32x8::splat(simd, at[k]));
+        outside |= samples + i32x8::splat(simd, at[k]);
     }
-    let value = f32x8::from_slice(simd, &plane.samples[part.clone()]) + f32x8::splat(simd, nearness);
+    let value = f32x8::from_slice(simd, &plane.samples[part.clone()]) + f32x8::splat(simd, claim.nearness);
     let (low, high) = (f32x8::splat(simd, plane.low), f32x8::splat(simd, plane.high));
     let value = value.simd_lt(low).select(low, value);
     let value = value.simd_gt(high).select(high, value);
@@ -65,7 +72,7 @@ fn contest_eight<W: Simd, const S: usize>(
     }
     wins.select(value, stored).store_slice(&mut pixel.nearness[part.clone()]);
     let owners = u32x8::from_slice(simd, &pixel.owner[part.clone()]);
-    wins.select(u32x8::splat(simd, owner), owners).store_slice(&mut pixel.owner[part]);
+    wins.select(u32x8::splat(simd, claim.owner), owners).store_slice(&mut pixel.owner[part]);
     true
 }
 
@@ -77,15 +84,14 @@ pub(super) fn contest_in_lanes<W: Simd, const S: usize>(
     edges: &Edges<i32, S>,
     at: [i32; 3],
     plane: &Plane<S>,
-    nearness: f32,
-    owner: u32,
+    claim: Claim,
 ) -> bool {
     if S < 8 {
-        return contest_one_by_one(simd, pixel, edges, at, plane, nearness, owner);
+        return contest_one_by_one(simd, pixel, edges, at, plane, claim);
     }
     let mut won = false;
     for from in (0..S).step_by(8) {
-        won |= contest_eight(simd, from, pixel, edges, at, plane, nearness, owner);
+        won |= contest_eight(simd, from, pixel, edges, at, plane, claim);
     }
     won
 }
@@ -98,12 +104,11 @@ pub(super) fn contest_one_by_one<W: Simd, E: EdgeValue, const S: usize>(
     edges: &Edges<E, S>,
     at: [E; 3],
     plane: &Plane<S>,
-    nearness: f32,
-    owner: u32,
+    claim: Claim,
 ) -> bool {
     let mut won = false;
     for s in 0..S {
-        won |= contest_sample(s, pixel, edges, at, plane, nearness, owner);
+        won |= contest_sample(s, pixel, edges, at, plane, claim);
     }
     won
 }

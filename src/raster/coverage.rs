@@ -1,6 +1,6 @@
 //! Which samples of a tile a triangle owns, and which of them it wins by depth.
 
-use super::contest::Pixel;
+use super::contest::{Claim, Pixel};
 use super::samples::{SUBPIXEL, SUBPIXEL_BITS, pattern};
 use super::setup::{EdgeValue, Edges, Plane};
 use fearless_simd::prelude::*;
@@ -227,7 +227,7 @@ impl<const S: usize> Nearest<S> {
                 let mut outside = i32x8::splat(simd, 0);
                 for k in 0..3 {
                     let right = edges.right[k].wrapping_mul(across);
-                    outside = outside | (start[k] + edges.down[k].wrapping_mul(down).wrapping_add(right));
+                    outside |= start[k] + edges.down[k].wrapping_mul(down).wrapping_add(right);
                 }
                 let value = start_nearness + (plane.right * (column * BLOCK) as f32 + plane.down * row as f32);
                 let value = value.simd_lt(low).select(low, value);
@@ -301,7 +301,7 @@ impl<const S: usize> Nearest<S> {
             for x in left..=right {
                 let place = y * SIDE + x;
                 let pixel = Pixel { nearness: &mut self.nearness[place], owner: &mut self.owner[place] };
-                if E::contest(simd, pixel, edges, at, plane, nearness, owner) {
+                if E::contest(simd, pixel, edges, at, plane, Claim { nearness, owner }) {
                     won = true;
                     self.stale |= 1 << (y / BLOCK * BLOCKS + x / BLOCK);
                 }

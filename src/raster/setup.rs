@@ -1,6 +1,6 @@
 //! A triangle made ready for a tile: its edges and its plane as functions of the place.
 
-use super::contest::{Pixel, contest_in_lanes, contest_one_by_one};
+use super::contest::{Claim, Pixel, contest_in_lanes, contest_one_by_one};
 use super::coverage::Vertex;
 use super::samples::SUBPIXEL;
 use fearless_simd::Simd;
@@ -16,8 +16,7 @@ pub(super) trait EdgeValue: Copy + BitOr<Output = Self> {
         edges: &Edges<Self, S>,
         at: [Self; 3],
         plane: &Plane<S>,
-        nearness: f32,
-        owner: u32,
+        claim: Claim,
     ) -> bool;
     /// The number.
     fn from_i32(value: i32) -> Self;
@@ -41,10 +40,9 @@ macro_rules! edge_value {
                 edges: &Edges<Self, S>,
                 at: [Self; 3],
                 plane: &Plane<S>,
-                nearness: f32,
-                owner: u32,
+                claim: Claim,
             ) -> bool {
-                $lanes(simd, &mut pixel, edges, at, plane, nearness, owner)
+                $lanes(simd, &mut pixel, edges, at, plane, claim)
             }
             #[inline(always)]
             fn from_i32(value: i32) -> Self {
