@@ -21,7 +21,7 @@ pub fn png(picture: &Picture) -> Result<Vec<u8>, ExportError> {
 /// Encodes numbers in three channels that are no colours: the file names no colour space.
 ///
 /// # Errors
-/// As [`png`].
+/// As [`png()`].
 pub fn plain(width: u32, height: u32, pixels: &[[u8; 3]]) -> Result<Vec<u8>, ExportError> {
     check_size("layer", width, height, pixels.len())?;
     encode_as(width, height, (ColorType::Rgb, BitDepth::Eight), false, pixels.as_flattened())
@@ -30,7 +30,7 @@ pub fn plain(width: u32, height: u32, pixels: &[[u8; 3]]) -> Result<Vec<u8>, Exp
 /// Encodes numbers of 8 bits, see [`plain`].
 ///
 /// # Errors
-/// As [`png`].
+/// As [`png()`].
 pub fn grey_8(width: u32, height: u32, pixels: &[u8]) -> Result<Vec<u8>, ExportError> {
     check_size("layer", width, height, pixels.len())?;
     encode_as(width, height, (ColorType::Grayscale, BitDepth::Eight), false, pixels)
@@ -39,7 +39,7 @@ pub fn grey_8(width: u32, height: u32, pixels: &[u8]) -> Result<Vec<u8>, ExportE
 /// Encodes numbers of 16 bits, see [`plain`].
 ///
 /// # Errors
-/// As [`png`].
+/// As [`png()`].
 pub fn grey_16(width: u32, height: u32, pixels: &[u16]) -> Result<Vec<u8>, ExportError> {
     check_size("layer", width, height, pixels.len())?;
     let bytes: Vec<u8> = pixels.iter().flat_map(|value| value.to_be_bytes()).collect();
