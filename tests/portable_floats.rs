@@ -10,6 +10,11 @@ const FLOATS_REACH_AN_OUTPUT: &[(&str, &str)] = &[
     ("libm", "software transcendentals in plain arithmetic: `transcendentals_are_those_of_libm`"),
     ("nalgebra", "vectors and matrices up to 4 x 4, + - * / sqrt only (no dynamic matrices): `small_matrices`"),
     ("spade", "orientation and circle predicates, exact by adaptive arithmetic: `a_triangulation`"),
+    (
+        "fearless_simd",
+        "+ - * / floor and comparisons of single precision, no fused ones; equal at every width by \
+         `raster::coverage::tests::registers_of_any_width_give_the_same_bits`",
+    ),
     ("tiny-skia", "scan conversion of outlines, plain arithmetic in single precision: `a_filled_outline`"),
     ("image", "decoding of JPEG by integer transforms: `a_decoded_picture`"),
     ("serde_json", "shortest decimal that reads back as the same float: `decimals_of_floats`"),

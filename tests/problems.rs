@@ -151,7 +151,7 @@ fn words_are_chosen_from_a_list() {
     );
     refuse_below(
         "[ground]\nkind = \"concrete\"\n",
-        &["scene.toml:3:8: error: `ground.kind` cannot be \"concrete\"; write \"grass\" or \"none\""],
+        &["scene.toml:3:8: error: `ground.kind` cannot be \"concrete\"; write \"grass\" or \"soil\" or \"none\""],
     );
 }
 

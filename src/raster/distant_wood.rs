@@ -10,6 +10,9 @@ use crate::frame::{Frame, Material, Wood};
 use std::f32::consts::PI;
 use std::sync::Arc;
 
+/// Share of the sky's light that reaches the deepest shade between crowns (judged).
+const DEEP: f32 = 0.35;
+
 /// How much farther a second wood stands behind the first, on rising ground.
 const FAR: f32 = 3.4;
 /// Height of the hills that it stands on, metres.
@@ -172,8 +175,12 @@ impl Prepared<'_> {
         let through = 0.3 * (0.5 - 0.5 * cosine) * thin * light;
         let sun = self.frame.sun.irradiance.map(|e| e * self.atmosphere.sun_share());
         let ambient = self.atmosphere.open.irradiance(normal);
+        // What is dark is lit by leaves: sky light that has come through and off others, in their colour.
+        let inside = DEEP * (1.0 - light);
         let lit = std::array::from_fn(|k| {
-            (reflected[k] * (sun[k] * front + ambient[k] * light) + transmitted[k] * sun[k] * through) / PI
+            let sent_on = reflected[k] + transmitted[k];
+            let of_sky = reflected[k] * ambient[k] * light + sent_on * ambient[k] * inside;
+            (reflected[k] * sun[k] * front + transmitted[k] * sun[k] * through + of_sky) / PI
         });
         (covered, self.atmosphere.hazed(lit, look.direction * distance))
     }

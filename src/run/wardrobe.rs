@@ -36,7 +36,7 @@ const MORE: f64 = 1.25;
 /// each, since cells of a species stand together.
 #[derive(Default)]
 pub struct Atelier {
-    blade: Option<(leaf::Settings, Arc<Blade>)>,
+    blade: Option<(leaf::Settings, Arc<Blade>, Figures)>,
     canvas: Option<(colour::Settings, Arc<Blade>, colour::Canvas)>,
 }
 
@@ -155,18 +155,23 @@ impl Tailor<'_> {
     fn blade(&mut self) -> Result<Arc<Blade>, Diagnostics> {
         let is_painted =
             !["leaf.picture", "leaf.mask", "leaf.texture"].iter().any(|key| self.species.assets.contains_key(*key));
-        if let Some((settings, blade)) = &self.atelier.blade
+        if let Some((settings, blade, figures)) = &self.atelier.blade
             && is_painted
             && *settings == self.species.leaf
         {
+            // What was made once is the blade of this species too.
+            if self.scene.species.len() > 1 {
+                self.report.note_of("leaf", self.species.label(), figures.clone());
+            }
             return Ok(blade.clone());
         }
-        let blade = Arc::new(self.modelled()?);
-        self.atelier.blade = is_painted.then(|| (self.species.leaf.clone(), blade.clone()));
+        let (blade, figures) = self.modelled()?;
+        let blade = Arc::new(blade);
+        self.atelier.blade = is_painted.then(|| (self.species.leaf.clone(), blade.clone(), figures));
         Ok(blade)
     }
 
-    fn modelled(&mut self) -> Result<Blade, Diagnostics> {
+    fn modelled(&mut self) -> Result<(Blade, Figures), Diagnostics> {
         let (species, limits) = (self.species, self.limits);
         let read = |key: &str| -> Result<Option<Picture>, Diagnostics> {
             let asset = species.assets.get(key);
@@ -178,7 +183,8 @@ impl Tailor<'_> {
             allowed.map_err(|refusal| fault::refused(&species.places, "leaf.picture", &refusal))?;
         }
         let pictures = Pictures { picture: picture.as_ref(), mask: mask.as_ref(), texture: texture.as_ref() };
-        self.timed("leaf", || leaf::model(&species.leaf, pictures, limits))
+        let model = || leaf::model(&species.leaf, pictures, limits);
+        self.timed("leaf", || model().map(|(blade, figures)| ((blade, figures.clone()), figures)))
             .map_err(|error| fault::leaf(species, &error))
     }
 
