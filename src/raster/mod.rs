@@ -25,6 +25,7 @@ mod layers;
 mod metering;
 mod projection;
 mod renderer;
+mod rooms;
 mod samples;
 mod setup;
 mod shade;
@@ -46,6 +47,7 @@ use canopy::Canopy;
 use cluster::ClusteredMesh;
 use projection::Projection;
 use rayon::prelude::*;
+use rooms::Rooms;
 use shadow::ShadowMap;
 use std::sync::Arc;
 use texture::MipMap;
@@ -158,10 +160,12 @@ fn of_plain_numbers(frame: &Frame) -> impl Iterator<Item = u32> {
 }
 
 fn draw_tiles<const S: usize>(prepared: &Prepared, bins: &Bins) -> Vec<tile::Pixels> {
-    let draw = |workspace: &mut Workspace<S>, number: usize| {
-        workspace.draw(prepared, bins, number % bins.columns, number / bins.columns)
+    let rooms = Rooms::new(Workspace::<S>::new);
+    let draw = |number: usize| {
+        rooms.with(|workspace| workspace.draw(prepared, bins, number % bins.columns, number / bins.columns))
     };
-    (0..bins.rows * bins.columns).into_par_iter().with_min_len(4).map_init(Workspace::new, draw).collect()
+    // One tile at a time: a few hold most of the work, and no thread may be left with a long row of them.
+    (0..bins.rows * bins.columns).into_par_iter().with_max_len(1).map(draw).collect()
 }
 
 fn assemble(width: u32, height: u32, columns: usize, tiles: &[tile::Pixels]) -> Picture {

@@ -5,6 +5,7 @@ use super::cluster::ClusteredMesh;
 use super::coverage::{Nearest, SIDE};
 use super::draw::{self, Corner, Placed, Scratch};
 use super::projection::{Projection, composed};
+use super::rooms::Rooms;
 use crate::base::maths::sincosf;
 use crate::base::random::hash;
 use crate::base::vector::{Vec2, Vec3};
@@ -50,14 +51,15 @@ impl ShadowMap {
         let (centre, radius) = bounding_sphere(frame, meshes)?;
         let projection = Projection::parallel(-frame.sun.direction, centre, radius * 1.01, size as u32);
         let bins = Bins::new(frame, &frame.instances, meshes, &projection, [size as u32; 2], LOD_ERROR);
-        let tile = |(nearest, scratch): &mut (Nearest<1>, Scratch), number: usize| {
-            let (column, row) = (number % bins.columns, number / bins.columns);
-            draw_tile(nearest, scratch, (frame, meshes, &projection, &bins), column, row);
-            nearest.nearness.iter().map(|nearness| nearness[0]).collect::<Vec<f32>>()
+        let rooms = Rooms::new(|| (Nearest::<1>::new(), Scratch::default()));
+        let tile = |number: usize| {
+            rooms.with(|(nearest, scratch)| {
+                let (column, row) = (number % bins.columns, number / bins.columns);
+                draw_tile(nearest, scratch, (frame, meshes, &projection, &bins), column, row);
+                nearest.nearness.as_flattened().to_vec()
+            })
         };
-        let workspace = || (Nearest::<1>::new(), Scratch::default());
-        let tiles: Vec<Vec<f32>> =
-            (0..bins.rows * bins.columns).into_par_iter().with_min_len(4).map_init(workspace, tile).collect();
+        let tiles: Vec<Vec<f32>> = (0..bins.rows * bins.columns).into_par_iter().with_max_len(1).map(tile).collect();
         let mut nearness = vec![f32::MIN; size * size];
         nearness.par_chunks_mut(size).enumerate().for_each(|(y, line)| {
             for (tile, part) in tiles[y / SIDE * bins.columns..].iter().zip(line.chunks_mut(SIDE)) {

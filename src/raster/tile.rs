@@ -9,6 +9,7 @@ use super::draw::{self, Corner, Placed, Scratch};
 use super::layers::Site;
 use super::projection::{Lens, composed};
 use super::samples::{SUBPIXEL, pattern};
+use super::tone::Shown;
 use super::{Prepared, shade};
 use crate::base::vector::{Affine, Vec3};
 use crate::frame;
@@ -162,13 +163,18 @@ impl<const S: usize> Workspace<S> {
     fn encoded(&self, prepared: &Prepared, corner: Corner, count: u32, sites: Vec<Site>) -> Pixels {
         let mut pixels = Pixels { colours: vec![[0; 4]; SIDE * SIDE], sites, squared_error: 0.0 };
         let [width, height] = corner.extent(prepared);
+        let (mut last, mut shown) = ([f32::NAN; 3], Shown::default());
         for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
             let sum = &self.sums[y * SIDE + x];
             if sum.covered == 0.0 {
                 continue;
             }
             let mean = sum.colour.map(|value| value / sum.covered);
-            let [r, g, b] = prepared.tone.encode_at(mean, corner.x + x, corner.y + y);
+            // Much of a picture is even: what is shown of a colour is found when the colour changes.
+            if mean != last {
+                (last, shown) = (mean, prepared.tone.shown(mean));
+            }
+            let [r, g, b] = prepared.tone.code_at(&shown, corner.x + x, corner.y + y);
             let alpha = (255.0 * sum.covered / count as f32 + 0.5) as u8;
             pixels.colours[y * SIDE + x] = [r, g, b, alpha];
             pixels.squared_error += sum.squared_error(mean);

@@ -14,6 +14,15 @@ pub(super) struct Tone {
     curve: Vec<f32>,
 }
 
+/// A colour on its way to codes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Shown {
+    /// Linear, below 1 where the curve keeps it there.
+    mapped: [f32; 3],
+    /// Distance of the codes around each channel; 0 where nothing is dithered.
+    steps: [f32; 3],
+}
+
 impl Tone {
     /// Tabulates the encoding.
     pub(super) fn new(view: &View) -> Self {
@@ -26,19 +35,20 @@ impl Tone {
         Self { map: view.tone_map, balance, encoder: SrgbEncoder::default(), curve }
     }
 
-    /// The code of an exposed linear colour.
-    pub(super) fn encode(&self, colour: [f32; 3]) -> [u8; 3] {
-        self.mapped(colour).map(|value| self.encoder.code(value))
+    /// What is shown of an exposed linear colour, wherever it is.
+    pub(super) fn shown(&self, colour: [f32; 3]) -> Shown {
+        let mapped = self.mapped(colour);
+        let steps = if self.map == ToneMap::None { [0.0; 3] } else { mapped.map(step) };
+        Shown { mapped, steps }
     }
 
-    /// The code of an exposed linear colour at a pixel, with a threshold from an ordered pattern instead of a half, so that
-    /// slow gradients have no bands. Without a tone curve codes are for measuring, and are rounded.
-    pub(super) fn encode_at(&self, colour: [f32; 3], x: usize, y: usize) -> [u8; 3] {
-        if self.map == ToneMap::None {
-            return self.encode(colour);
-        }
+    /// Its code at a pixel, with a threshold from an ordered pattern instead of a half, so that slow gradients have no bands.
+    /// Without a tone curve codes are for measuring, and are rounded.
+    pub(super) fn code_at(&self, shown: &Shown, x: usize, y: usize) -> [u8; 3] {
         let shift = threshold(x, y);
-        self.mapped(colour).map(|value| self.encoder.code(value + shift * step(value)))
+        let [r, g, b] = shown.mapped;
+        let [red, green, blue] = shown.steps;
+        [self.encoder.code(r + shift * red), self.encoder.code(g + shift * green), self.encoder.code(b + shift * blue)]
     }
 
     fn mapped(&self, colour: [f32; 3]) -> [f32; 3] {
@@ -201,10 +211,10 @@ mod tests {
         let tone = tone(ToneMap::None);
         for step in 0..=1000u16 {
             let value = f32::from(step) / 1000.0;
-            let code = tone.encode([value; 3])[0];
+            let code = tone.code_at(&tone.shown([value; 3]), 3, 5)[0];
             assert!(code.abs_diff(linear_to_srgb8(value)) <= 1, "{value}");
         }
-        assert_eq!(tone.encode([-1.0, 2.0, f32::INFINITY]), [0, 255, 255]);
+        assert_eq!(tone.code_at(&tone.shown([-1.0, 2.0, f32::INFINITY]), 3, 5), [0, 255, 255]);
     }
 
     #[test]
@@ -254,7 +264,7 @@ mod tests {
             let value = step as f32 * 0.0113;
             let (mut sum, exact) = (0.0, crate::base::maths::linear_to_srgb(neutral([value; 3])[0]) * 255.0);
             for (x, y) in (0..8).flat_map(|x| (0..8).map(move |y| (x, y))) {
-                let code = f32::from(tone.encode_at([value; 3], x, y)[0]);
+                let code = f32::from(tone.code_at(&tone.shown([value; 3]), x, y)[0]);
                 assert!((code - exact).abs() < 1.25, "{value}: {code} {exact}");
                 sum += code;
             }
