@@ -48,7 +48,7 @@ fn blessed(name: &str) -> bool {
 }
 
 /// What a scene that is not made for it needs to become a small picture.
-const SMALL: [&str; 4] = ["image.width=120", "image.height=120", "image.samples=8", "light.shadow_size=1024"];
+const SMALL: [&str; 4] = ["image.width=112", "image.height=112", "image.samples=8", "light.shadow_size=1024"];
 
 fn read_scene(name: &str) -> scene::Scene {
     let (own, shown) = (root().join(format!("scenes/golden/{name}.toml")), root().join(format!("scenes/{name}.toml")));
