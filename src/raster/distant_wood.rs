@@ -159,11 +159,15 @@ impl Prepared<'_> {
         let hem = HEM * Lattice::periodic(31, [HERBS, 0]).value(look.around * HERBS as f32, 0.5);
         let blur = look.pixel * distance;
         let free = if ground > 0.0 { 1.0 } else { smooth_step(hem - blur, hem + blur, height) };
-        let covered = free * smooth_step(0.12, 0.88, covered) * if self.atmosphere.wood.is_bare { 0.8 } else { 1.0 };
+        let crowns = smooth_step(0.12, 0.88, covered);
+        // Through bare crowns one sees a little; between crowns on a slope there is the shade of those behind.
+        let seen = if self.atmosphere.wood.is_bare && ground <= 0.0 { 0.85 * crowns } else { crowns };
+        let covered = free * seen.max(smooth_step(0.0, 0.2, band));
         if covered <= 0.0 {
             return (0.0, [0.0; 3]);
         }
         let [kind, light, thin] = self.textures[wood.crowns as usize].sample(uv, footprint);
+        let light = light * crowns;
         let (reflected, transmitted) = self.atmosphere.wood.at(kind.clamp(0.0, 1.0));
         let towards = Vec3::new(-look.direction.x, 0.0, -look.direction.z).normalize();
         let aside = Vec3::y().cross(&towards);
