@@ -69,7 +69,7 @@ fn hanging_leaves_have_the_state_that_the_file_of_states_says() {
 fn the_ground_is_as_far_as_its_plane_and_faces_up() {
     let layers = layers(&["camera.position=[0, 2, 6]", "camera.target=[0, 2, 0]", "camera.field_of_view=40"]);
     // A level camera 2 m up sees the ground, y pixels below the horizon, at 2 f / y metres along its axis.
-    let focal = 32.0 / f64::to_radians(20.0).tan();
+    let focal = 32.0 / leafseason::base::maths::tan(f64::to_radians(20.0));
     for y in [40u32, 50, 60] {
         let place = (y * 96 + 3) as usize;
         assert_eq!((layers.leaf[place], layers.normal[place]), (0, [128, 255, 128]));

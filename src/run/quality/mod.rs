@@ -18,7 +18,7 @@ use probe::Probe;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The share of the error asked for that is planned with.
-const PLANNED: f64 = 0.9;
+const PLANNED: f64 = 0.82;
 /// The most that meshes, and the solver, may take of it.
 const OF_SHAPE: f64 = 0.35;
 const OF_SOLVER: f64 = 0.1;
