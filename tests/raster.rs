@@ -28,20 +28,8 @@ fn above(direction: Vec3) -> Vec3 {
 }
 
 fn leaf() -> Material {
-    Material {
-        name: "leaf".into(),
-        colour: [0.2, 0.4, 0.1],
-        reflected: None,
-        transmission: [0.1, 0.3, 0.05],
-        transmitted: None,
-        back_gain: 1.0,
-        behind: None,
-        relief: None,
-        gloss: 0.0,
-        roughness: 0.5,
-        two_sided: true,
-        unlit: false,
-    }
+    let (transmission, roughness) = ([0.1, 0.3, 0.05], 0.5);
+    Material { transmission, roughness, two_sided: true, ..Material::matte("leaf", [0.2, 0.4, 0.1]) }
 }
 
 /// A leaf before the camera, without light.

@@ -1,9 +1,15 @@
-//! Linear light to 8-bit sRGB by a table: for every pixel of a picture or a texture.
+//! Linear light to 8-bit sRGB and back by tables: for every pixel of a picture or a texture.
 
-use crate::base::maths::linear_to_srgb;
+use crate::base::maths::{linear_to_srgb, srgb_to_linear};
 
 /// Steps of the table between 0 and 1; fine enough that the darkest code spans several.
 const STEPS: usize = 1 << 14;
+
+/// The linear value of each code of 8 bits.
+#[must_use]
+pub fn linear_values() -> [f32; 256] {
+    std::array::from_fn(|code| srgb_to_linear(code as f32 / 255.0))
+}
 
 /// The codes of evenly spaced linear values. Within one code of the exact encoding.
 #[derive(Clone, Debug)]

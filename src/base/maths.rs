@@ -36,6 +36,15 @@ pub fn linear_to_srgb8(linear: f32) -> u8 {
     (linear_to_srgb(linear) * 255.0 + 0.5) as u8
 }
 
+/// The largest whole number that is not above `x`, saturating; std's is a call where the processor's baseline has no such
+/// instruction.
+#[must_use]
+#[inline(always)]
+pub fn floor_to_i32(x: f32) -> i32 {
+    let truncated = x as i32;
+    truncated.wrapping_sub(i32::from(truncated as f32 > x))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

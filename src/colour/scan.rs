@@ -7,7 +7,8 @@
 use super::Colour;
 use super::palette::Palette;
 use super::surface::{Surface, Tissue};
-use crate::base::maths::{expf, lnf, smooth_step, srgb_to_linear};
+use crate::base::encoding::linear_values;
+use crate::base::maths::{expf, lnf, smooth_step};
 use crate::base::picture::Picture;
 
 /// Bits of each channel by which colours are told apart when pigments are sought.
@@ -32,7 +33,7 @@ impl Scan {
         if picture.width == 0 || picture.height == 0 {
             return None;
         }
-        let table: Vec<f32> = (0..256u32).map(|code| srgb_to_linear(code as f32 / 255.0)).collect();
+        let table = linear_values();
         let found: Vec<Option<[f32; 3]>> =
             surface.pixels().map(|pixel| averaged(picture, &table, surface.size, pixel)).collect();
         let count = found.iter().flatten().count();

@@ -1,7 +1,7 @@
 //! The three figures of a pair of pictures.
 
 use super::flip::flip;
-use crate::base::maths::srgb_to_linear;
+use crate::base::encoding::linear_values;
 use crate::base::picture::Picture;
 use serde::Serialize;
 use thiserror::Error;
@@ -55,7 +55,7 @@ fn largest_step(p: [u8; 4], q: [u8; 4]) -> u8 {
 }
 
 fn rmse(a: &Picture, b: &Picture) -> f64 {
-    let table = linear_table();
+    let table = linear_values();
     // Rows are summed by themselves first: short sums of like numbers lose less, and the order is fixed.
     let row_sum = |(row_a, row_b): (&[[u8; 4]], &[[u8; 4]])| {
         let squares =
@@ -72,7 +72,7 @@ fn square_distance(p: [f32; 3], q: [f32; 3]) -> f64 {
 }
 
 fn worst_flip(a: &Picture, b: &Picture) -> f64 {
-    let table = linear_table();
+    let table = linear_values();
     let on = |picture: &Picture, ground| picture.pixels.iter().map(|&p| over(p, ground, &table)).collect::<Vec<_>>();
     let on_ground = |ground| flip(&on(a, ground), &on(b, ground), a.width as usize);
     let opaque = |picture: &Picture| picture.pixels.iter().all(|p| p[3] == 255);
@@ -86,13 +86,10 @@ fn over([r, g, b, alpha]: [u8; 4], ground: f32, table: &[f32; 256]) -> [f32; 3] 
     [r, g, b].map(|code| table[usize::from(code)] * alpha + ground * (1.0 - alpha))
 }
 
-fn linear_table() -> [f32; 256] {
-    std::array::from_fn(|code| srgb_to_linear(code as f32 / 255.0))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::maths::srgb_to_linear;
 
     fn noise(seed: u64, width: u32, height: u32) -> Picture {
         let byte = |i: u64, c: u64| (crate::base::random::hash(seed, i * 4 + c) >> 56) as u8;

@@ -162,7 +162,7 @@ impl Stock {
                     let texture = Texture { name: name.clone(), ..texture };
                     let relief = bark::relief(settings, of_class, &texture).map(|relief| self.push_texture(relief));
                     let reflected = Some(self.push_texture(texture));
-                    self.push_material(Material { reflected, relief, ..wood(&name, [1.0; 3]) })
+                    self.push_material(Material { reflected, relief, ..Material::matte(&name, [1.0; 3]) })
                 });
                 parts.push(Part { mesh: self.push_mesh(of_class.mesh.clone()), material });
             }
@@ -188,7 +188,7 @@ impl Stock {
     /// Blades of grass at the trees' feet and before the camera.
     fn add_grass(&mut self, scene: &Scene, stand: &Stand) -> Vec<Instance> {
         let palette = self.push_texture(sward::palette());
-        let material = self.push_material(Material { reflected: Some(palette), ..wood("sward", [1.0; 3]) });
+        let material = self.push_material(Material { reflected: Some(palette), ..Material::matte("sward", [1.0; 3]) });
         let mut model = |name: &str, mesh: Mesh| {
             let part = Part { material, mesh: self.push_mesh(Arc::new(mesh)) };
             self.models.push(Model { name: name.to_owned(), parts: vec![part] });
@@ -222,7 +222,7 @@ impl Stock {
         let bend = species.tree.petiole_angle.to_radians();
         let material = (length > 0.0).then(|| {
             let colour = species.tree.petiole_colour.map(|c| c as f32);
-            self.push_material(wood(&format!("{tag}petiole"), colour))
+            self.push_material(Material::matte(&format!("{tag}petiole"), colour))
         });
         let stalks: Vec<(Petiole, Option<Part>)> = petioles
             .iter()
@@ -342,7 +342,7 @@ impl Stock {
             let (width, height, pixels) = (chart.size, chart.size, chart.reflected.clone());
             self.push_texture(Texture { name: format!("{name}_chart"), width, height, pixels, repeat: false })
         });
-        self.push_material(Material { reflected, unlit: true, two_sided: true, ..wood(name, [1.0; 3]) })
+        self.push_material(Material { reflected, unlit: true, two_sided: true, ..Material::matte(name, [1.0; 3]) })
     }
 
     /// One frame: the wood and every leaf that still hangs, tree by tree. `worn` gives each leaf's garment in the order of
@@ -421,21 +421,4 @@ fn leaf_name(tag: &str, wardrobe: &Wardrobe, garment: Garment) -> String {
 fn model_name(state: &str, number: u16) -> String {
     let plain = state.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-');
     if plain { state.replace('-', "_") } else { format!("state{number}") }
-}
-
-fn wood(name: &str, colour: [f32; 3]) -> Material {
-    Material {
-        name: name.to_owned(),
-        colour,
-        reflected: None,
-        transmission: [0.0; 3],
-        transmitted: None,
-        back_gain: 1.0,
-        behind: None,
-        relief: None,
-        gloss: 0.0,
-        roughness: 0.95,
-        two_sided: false,
-        unlit: false,
-    }
 }

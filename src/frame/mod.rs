@@ -53,6 +53,27 @@ pub struct Material {
     pub unlit: bool,
 }
 
+impl Material {
+    /// A dull, opaque surface of one colour (linear sRGB), drawn from the front.
+    #[must_use]
+    pub fn matte(name: &str, colour: [f32; 3]) -> Self {
+        Self {
+            name: name.to_owned(),
+            colour,
+            reflected: None,
+            transmission: [0.0; 3],
+            transmitted: None,
+            back_gain: 1.0,
+            behind: None,
+            relief: None,
+            gloss: 0.0,
+            roughness: 0.95,
+            two_sided: false,
+            unlit: false,
+        }
+    }
+}
+
 /// One mesh in one material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Part {

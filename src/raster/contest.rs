@@ -44,7 +44,42 @@ fn contest_sample<E: EdgeValue, const S: usize>(
     wins
 }
 
-/// Samples `from` to `from` + 8 of a pixel at once, with the same operations in the same order as one by one.
+/// Eight samples, or eight pixels of one sample, that change hands at once.
+pub(super) struct Eight<'a> {
+    /// Their nearness.
+    pub nearness: &'a mut [f32],
+    /// Who they belong to.
+    pub owner: &'a mut [u32],
+}
+
+impl Eight<'_> {
+    /// Gives `owner` those that no edge value leaves outside (`outside` is not negative) and whose stored nearness is below
+    /// `value`, kept within the triangle's corners: the operations of one sample, in the same order.
+    #[inline(always)]
+    pub(super) fn contest<W: Simd, const S: usize>(
+        self,
+        simd: W,
+        outside: i32x8<W>,
+        value: f32x8<W>,
+        plane: &Plane<S>,
+        owner: u32,
+    ) -> bool {
+        let (low, high) = (f32x8::splat(simd, plane.low), f32x8::splat(simd, plane.high));
+        let value = value.simd_lt(low).select(low, value);
+        let value = value.simd_gt(high).select(high, value);
+        let stored = f32x8::from_slice(simd, self.nearness);
+        let wins = outside.simd_ge(i32x8::splat(simd, 0)) & value.simd_gt(stored);
+        if !wins.any_true() {
+            return false;
+        }
+        wins.select(value, stored).store_slice(self.nearness);
+        let owners = u32x8::from_slice(simd, self.owner);
+        wins.select(u32x8::splat(simd, owner), owners).store_slice(self.owner);
+        true
+    }
+}
+
+/// Samples `from` to `from` + 8 of a pixel at once.
 #[inline(always)]
 fn contest_eight<W: Simd, const S: usize>(
     simd: W,
@@ -58,22 +93,12 @@ fn contest_eight<W: Simd, const S: usize>(
     let part = from..from + 8;
     let mut outside = i32x8::splat(simd, 0);
     for k in 0..3 {
-        let samples = i32x8::from_slice(simd, &edges.samples[k][from..from + 8]);
+        let samples = i32x8::from_slice(simd, &edges.samples[k][part.clone()]);
         outside |= samples + i32x8::splat(simd, at[k]);
     }
     let value = f32x8::from_slice(simd, &plane.samples[part.clone()]) + f32x8::splat(simd, claim.nearness);
-    let (low, high) = (f32x8::splat(simd, plane.low), f32x8::splat(simd, plane.high));
-    let value = value.simd_lt(low).select(low, value);
-    let value = value.simd_gt(high).select(high, value);
-    let stored = f32x8::from_slice(simd, &pixel.nearness[part.clone()]);
-    let wins = outside.simd_ge(i32x8::splat(simd, 0)) & value.simd_gt(stored);
-    if !wins.any_true() {
-        return false;
-    }
-    wins.select(value, stored).store_slice(&mut pixel.nearness[part.clone()]);
-    let owners = u32x8::from_slice(simd, &pixel.owner[part.clone()]);
-    wins.select(u32x8::splat(simd, claim.owner), owners).store_slice(&mut pixel.owner[part]);
-    true
+    let eight = Eight { nearness: &mut pixel.nearness[part.clone()], owner: &mut pixel.owner[part] };
+    eight.contest(simd, outside, value, plane, claim.owner)
 }
 
 /// The samples of a pixel, eight at once where there are as many.

@@ -1,10 +1,10 @@
 //! Which samples of a tile a triangle owns, and which of them it wins by depth.
 
-use super::contest::{Claim, Pixel};
+use super::contest::{Claim, Eight, Pixel};
 use super::samples::{SUBPIXEL, SUBPIXEL_BITS, pattern};
 use super::setup::{EdgeValue, Edges, Plane};
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, i32x8, u32x8};
+use fearless_simd::{f32x8, i32x8};
 
 /// Pixels along one side of a tile.
 pub(super) const SIDE: usize = 64;
@@ -214,7 +214,6 @@ impl<const S: usize> Nearest<S> {
         let plane = Plane::<S>::new(triangle, doubled_area, &self.pattern, origin);
         let edges = Edges::<i32, S>::new(triangle, &self.pattern, origin);
         let steps = i32x8::from_slice(simd, &[0, 1, 2, 3, 4, 5, 6, 7]);
-        let (low, high) = (f32x8::splat(simd, plane.low), f32x8::splat(simd, plane.high));
         let mut start = [steps; 3];
         for k in 0..3 {
             start[k] = steps * edges.right[k] + edges.samples[k][0].wrapping_add(edges.at[k]);
@@ -230,21 +229,15 @@ impl<const S: usize> Nearest<S> {
                     outside |= start[k] + edges.down[k].wrapping_mul(down).wrapping_add(right);
                 }
                 let value = start_nearness + (plane.right * (column * BLOCK) as f32 + plane.down * row as f32);
-                let value = value.simd_lt(low).select(low, value);
-                let value = value.simd_gt(high).select(high, value);
                 let part = y * SIDE + block * BLOCK..y * SIDE + block * BLOCK + BLOCK;
-                let nearness = &mut self.nearness.as_flattened_mut()[part.clone()];
-                let stored = f32x8::from_slice(simd, nearness);
-                let wins = outside.simd_ge(i32x8::splat(simd, 0)) & value.simd_gt(stored);
-                if !wins.any_true() {
-                    continue;
+                let eight = Eight {
+                    nearness: &mut self.nearness.as_flattened_mut()[part.clone()],
+                    owner: &mut self.owner.as_flattened_mut()[part],
+                };
+                if eight.contest(simd, outside, value, &plane, owner) {
+                    won = true;
+                    self.stale |= 1 << (y / BLOCK * BLOCKS + block);
                 }
-                wins.select(value, stored).store_slice(nearness);
-                let owners = &mut self.owner.as_flattened_mut()[part];
-                let owned = u32x8::from_slice(simd, owners);
-                wins.select(u32x8::splat(simd, owner), owned).store_slice(owners);
-                won = true;
-                self.stale |= 1 << (y / BLOCK * BLOCKS + block);
             }
         }
         won

@@ -7,6 +7,7 @@ use super::cluster::{Cluster, LANES};
 use super::coverage::{Nearest, SIDE, Vertex, doubled_area};
 use super::projection::{Lens, Projection, Screen};
 use super::samples::SUBPIXEL;
+use crate::base::maths::floor_to_i32;
 use crate::base::vector::{Affine, Vec3};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch, f32x8, i32x8};
@@ -47,9 +48,7 @@ impl Corner {
     fn vertex(self, screen: Screen) -> Vertex {
         // In perspective the guard band bounds the coordinates; a parallel view holds the whole scene.
         let fixed = |pixels: f32, corner: usize| {
-            let scaled = pixels * SUBPIXEL as f32 + 0.5;
-            let truncated = scaled as i32;
-            let floor = truncated.wrapping_sub(i32::from(truncated as f32 > scaled));
+            let floor = floor_to_i32(pixels * SUBPIXEL as f32 + 0.5);
             floor.wrapping_sub((corner as i32).wrapping_mul(SUBPIXEL))
         };
         Vertex { x: fixed(screen.x, self.x), y: fixed(screen.y, self.y), nearness: screen.nearness }

@@ -1,7 +1,8 @@
 //! Exposure measured from the picture itself, as a camera's averaging meter does.
 
 use super::Renderer;
-use crate::base::maths::{expf, lnf, srgb_to_linear};
+use crate::base::encoding::linear_values;
+use crate::base::maths::{expf, lnf};
 use crate::frame::{Frame, ToneMap, UNBALANCED};
 
 /// What the mean is brought to: middle grey.
@@ -35,7 +36,7 @@ pub(super) fn metered(frame: &Frame, renderer: &mut Renderer) -> Frame {
 /// The geometric mean of the luminance of a frame's picture.
 fn mean(frame: &Frame, renderer: &mut Renderer) -> f32 {
     let picture = renderer.draw(frame).0;
-    let linear: Vec<f32> = (0..=255u8).map(|code| srgb_to_linear(f32::from(code) / 255.0)).collect();
+    let linear = linear_values();
     let luminance = |pixel: &[u8; 4]| {
         let [r, g, b] = [0, 1, 2].map(|k| linear[usize::from(pixel[k])]);
         0.2126 * r + 0.7152 * g + 0.0722 * b

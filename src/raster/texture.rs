@@ -1,6 +1,7 @@
 //! Textures as pyramids of linear colour (Williams 1983), as fine as a frame can show and no finer.
 
-use crate::base::maths::srgb_to_linear;
+use crate::base::encoding::linear_values;
+use crate::base::maths::floor_to_i32;
 use crate::base::vector::Vec2;
 use crate::frame::Texture;
 
@@ -50,13 +51,6 @@ pub(super) struct Taps {
 struct Corners {
     texels: [usize; 4],
     weights: [f32; 4],
-}
-
-/// The largest whole number that is not above `x`; std's is a call where the processor's baseline has no such instruction.
-#[inline(always)]
-fn floor(x: f32) -> i32 {
-    let truncated = x as i32;
-    truncated.wrapping_sub(i32::from(truncated as f32 > x))
 }
 
 /// log2 between whole powers by a line: within 0.09, and even from level to level.
@@ -115,7 +109,7 @@ impl MipMap {
         let lower = (level as usize).min(last);
         // Into one repeat first: a long branch counts thousands of them, and texels would lose their fractions.
         let uv = if self.repeat {
-            uv.map(|c| c - floor(c) as f32)
+            uv.map(|c| c - floor_to_i32(c) as f32)
         } else {
             Vec2::new(uv.x.clamp(0.0, 1.0), uv.y.clamp(0.0, 1.0))
         };
@@ -157,12 +151,12 @@ impl MipMap {
 
 impl Codes {
     /// What each code stands for, 0 to `FULL`.
-    fn table(self) -> Vec<u16> {
-        let share = |code: u32| match self {
-            Self::Colour => srgb_to_linear(code as f32 / 255.0),
-            Self::Plain => ((code as f32 - 128.0) / 127.0 + 1.0) * 0.5,
+    fn table(self) -> [u16; 256] {
+        let shares = match self {
+            Self::Colour => linear_values(),
+            Self::Plain => std::array::from_fn(|code| ((code as f32 - 128.0) / 127.0 + 1.0) * 0.5),
         };
-        (0..256).map(|code| (share(code).clamp(0.0, 1.0) * FULL + 0.5) as u16).collect()
+        shares.map(|share| (share.clamp(0.0, 1.0) * FULL + 0.5) as u16)
     }
 
     /// The colour or number that a stored value stands for.
@@ -230,7 +224,7 @@ impl Level {
     fn corners(&self, uv: Vec2, repeat: bool) -> Corners {
         let x = uv.x * self.width as f32 - 0.5;
         let y = uv.y * self.height as f32 - 0.5;
-        let (x0, y0) = (floor(x), floor(y));
+        let (x0, y0) = (floor_to_i32(x), floor_to_i32(y));
         let (fx, fy) = (x - x0 as f32, y - y0 as f32);
         let place = |index: i32, size: i32| if repeat { index & (size - 1) } else { index.clamp(0, size - 1) };
         let (left, right) = (place(x0, self.width), place(x0.wrapping_add(1), self.width));

@@ -1,8 +1,9 @@
 //! Pictures that are drawn larger than they are wanted and averaged in linear light: more samples in a pixel than one pattern
 //! has, with meshes, textures and shading as fine.
 
+use crate::base::encoding::linear_values;
 use crate::base::figures::Figures;
-use crate::base::maths::{linear_to_srgb8, srgb_to_linear};
+use crate::base::maths::linear_to_srgb8;
 use crate::base::picture::Picture;
 use crate::frame::Frame;
 use crate::raster::Renderer;
@@ -33,7 +34,7 @@ pub fn drawn(renderer: &mut Renderer, frame: &Frame, times: u32) -> (Picture, Fi
 /// Each `times` x `times` pixels averaged in linear light, colours by their alpha.
 #[must_use]
 pub fn averaged(large: &Picture, times: u32) -> Picture {
-    let table: [f32; 256] = std::array::from_fn(|code| srgb_to_linear(code as f32 / 255.0));
+    let table = linear_values();
     let (width, height) = (large.width / times, large.height / times);
     let mut picture = Picture::filled(width, height, [0, 0, 0, 255]);
     picture.pixels.par_chunks_mut(width.max(1) as usize).enumerate().for_each(|(y, line)| {
@@ -62,6 +63,7 @@ fn mean<'a>(pixels: impl Iterator<Item = &'a [u8; 4]>, table: &[f32; 256]) -> [u
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::maths::srgb_to_linear;
 
     #[test]
     fn averages_are_taken_in_linear_light() {

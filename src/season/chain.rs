@@ -142,27 +142,14 @@ pub(super) mod tests {
     use crate::base::settings::Corners as Given;
     use proptest::prelude::*;
 
-    /// A state with the same half-life and chances in every climate.
+    /// [`State::in_any_climate`].
     pub fn state(half_life: f64, next: &[(&str, f64)]) -> State {
-        let row: Vec<f64> = next.iter().map(|(_, chance)| *chance).collect();
-        State {
-            half_life: (!next.is_empty()).then_some(Given::Same(half_life)),
-            next: next.iter().map(|(name, _)| (*name).to_owned()).collect(),
-            wet_cold: row.clone(),
-            wet_warm: row.clone(),
-            dry_cold: row.clone(),
-            dry_warm: row,
-            ..State::default()
-        }
+        State::in_any_climate(half_life, next)
     }
 
-    /// Settings with the given states, starting in the first.
+    /// [`Settings::of_states`].
     pub fn settings(states: &[(&str, State)]) -> Settings {
-        Settings {
-            start: states[0].0.to_owned(),
-            states: states.iter().map(|(name, state)| ((*name).to_owned(), state.clone())).collect(),
-            ..Settings::default()
-        }
+        Settings::of_states(states)
     }
 
     /// Four states with branches: chain M5 of the reference values, half-lives 30, 15, 10 days and for ever.

@@ -132,3 +132,32 @@ settings! {
         states: BTreeMap<String, State> = BTreeMap::new();
     }
 }
+
+impl State {
+    /// A state with the same half-life (days) and chances in every climate; it lasts without targets.
+    #[must_use]
+    pub fn in_any_climate(half_life: f64, next: &[(&str, f64)]) -> Self {
+        let row: Vec<f64> = next.iter().map(|(_, chance)| *chance).collect();
+        Self {
+            half_life: (!next.is_empty()).then_some(Corners::Same(half_life)),
+            next: next.iter().map(|(name, _)| (*name).to_owned()).collect(),
+            wet_cold: row.clone(),
+            wet_warm: row.clone(),
+            dry_cold: row.clone(),
+            dry_warm: row,
+            ..Self::default()
+        }
+    }
+}
+
+impl Settings {
+    /// A season with these states, which begins in the first.
+    #[must_use]
+    pub fn of_states(states: &[(&str, State)]) -> Self {
+        Self {
+            start: states.first().map_or_else(String::new, |(name, _)| (*name).to_owned()),
+            states: states.iter().map(|(name, state)| ((*name).to_owned(), state.clone())).collect(),
+            ..Self::default()
+        }
+    }
+}

@@ -90,31 +90,6 @@ pub const KNOWN: [Known; 6] = [
 pub const STEPPED_HAZARDS: [f64; 4] =
     [0.396_850_262_992, 0.143_616_079_053_1, 0.110_787_939_666_5, 0.348_745_718_288_3];
 
-/// A state with the same half-life and chances in every climate; it lasts without targets.
-#[must_use]
-pub fn state(half_life: f64, next: &[(&str, f64)]) -> State {
-    let row: Vec<f64> = next.iter().map(|(_, chance)| *chance).collect();
-    State {
-        half_life: (!next.is_empty()).then_some(Corners::Same(half_life)),
-        next: next.iter().map(|(name, _)| (*name).to_owned()).collect(),
-        wet_cold: row.clone(),
-        wet_warm: row.clone(),
-        dry_cold: row.clone(),
-        dry_warm: row,
-        ..State::default()
-    }
-}
-
-/// The settings of a season with these states, beginning in the first.
-#[must_use]
-pub fn season(states: &[(&str, State)]) -> Settings {
-    Settings {
-        start: states.first().map_or_else(String::new, |(name, _)| (*name).to_owned()),
-        states: states.iter().map(|(name, state)| ((*name).to_owned(), state.clone())).collect(),
-        ..Settings::default()
-    }
-}
-
 impl Known {
     /// Rate at which each state is left, 1/day.
     #[must_use]
@@ -137,9 +112,10 @@ impl Known {
             targets.iter().map(|&(target, chance)| (NAMES[usize::from(target) % 4], chance)).collect()
         };
         let states = self.half_lives.iter().zip(self.targets).zip(NAMES);
-        let states: Vec<(&str, State)> =
-            states.map(|((half_life, targets), name)| (name, state(*half_life, &next(targets)))).collect();
-        season(&states)
+        let states: Vec<(&str, State)> = states
+            .map(|((half_life, targets), name)| (name, State::in_any_climate(*half_life, &next(targets))))
+            .collect();
+        Settings::of_states(&states)
     }
 }
 

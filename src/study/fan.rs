@@ -39,20 +39,7 @@ pub fn frame() -> Frame {
         triangles: (0..count as u32 / 3).map(|number| [3 * number, 3 * number + 1, 3 * number + 2]).collect(),
         positions,
     };
-    let material = Material {
-        name: "white".into(),
-        colour: [1.0; 3],
-        reflected: None,
-        transmission: [0.0; 3],
-        transmitted: None,
-        back_gain: 1.0,
-        behind: None,
-        relief: None,
-        gloss: 0.0,
-        roughness: 0.5,
-        two_sided: true,
-        unlit: true,
-    };
+    let material = Material { roughness: 0.5, two_sided: true, unlit: true, ..Material::matte("white", [1.0; 3]) };
     let distance = 4.0;
     let half = f64::from(SIDE) / 2.0 / SCALE / distance;
     Frame {

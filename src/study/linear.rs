@@ -1,6 +1,6 @@
 //! Pictures in linear light, references of many samples, and how far a picture is from them.
 
-use crate::base::maths::srgb_to_linear;
+use crate::base::encoding::linear_values;
 use crate::base::picture::Picture;
 use crate::frame::Frame;
 use crate::raster;
@@ -29,7 +29,7 @@ impl Linear {
     /// Of an 8-bit picture.
     #[must_use]
     pub fn of(picture: &Picture) -> Self {
-        let table: [f32; 256] = std::array::from_fn(|code| srgb_to_linear(code as f32 / 255.0));
+        let table = linear_values();
         let pixel = |pixel: &[u8; 4]| [0, 1, 2].map(|k| table[usize::from(pixel[k])]);
         Self { width: picture.width, height: picture.height, pixels: picture.pixels.iter().map(pixel).collect() }
     }

@@ -27,17 +27,7 @@ impl Springs {
     /// One particle of a kilogram on a spring of a metre along x whose other end is held: its frequency in radians a second.
     #[must_use]
     pub fn oscillator(frequency: f64) -> Self {
-        let system = System {
-            rest: vec![DVec3::zeros(), DVec3::x()],
-            masses: vec![1.0, 1.0],
-            mobility: vec![0.0, 1.0],
-            springs: vec![[0, 1]],
-            lengths: vec![1.0],
-            triangles: Vec::new(),
-            stiffness: frequency * frequency,
-            drag: 0.0,
-            friction: 0.0,
-        };
+        let system = System::oscillator(frequency);
         let state = system.at_rest();
         Self { system, state, force: Force::Constant(DVec3::zeros()) }
     }

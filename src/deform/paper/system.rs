@@ -39,6 +39,21 @@ pub struct State {
 }
 
 impl System {
+    /// One particle of a kilogram on a spring of a metre along x whose other end is held: w^2 = k / m, w in radians a second.
+    pub fn oscillator(frequency: f64) -> Self {
+        Self {
+            rest: vec![DVec3::zeros(), DVec3::x()],
+            masses: vec![1.0, 1.0],
+            mobility: vec![0.0, 1.0],
+            springs: vec![[0, 1]],
+            lengths: vec![1.0],
+            triangles: Vec::new(),
+            stiffness: frequency * frequency,
+            drag: 0.0,
+            friction: 0.0,
+        }
+    }
+
     /// The system of a flat leaf: constraint steps 1 to 3 of the paper's section 4.2.
     pub fn new(settings: &Settings, mesh: &FlatMesh) -> Self {
         let rest: Vec<DVec3> = mesh.positions.iter().map(|p| DVec3::new(p.x, p.y, 0.0)).collect();

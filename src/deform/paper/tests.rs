@@ -57,24 +57,9 @@ fn deformed(settings: &Settings, jobs: &[Job]) -> (Vec<Mesh>, Figures) {
     deform(settings, &disc(), jobs, 1, &Limits::default()).unwrap()
 }
 
-/// One particle on a spring along x, the other end held: w^2 = k / m.
-fn oscillator(frequency: f64) -> System {
-    System {
-        rest: vec![DVec3::zeros(), DVec3::x()],
-        masses: vec![1.0, 1.0],
-        mobility: vec![0.0, 1.0],
-        springs: vec![[0, 1]],
-        lengths: vec![1.0],
-        triangles: Vec::new(),
-        stiffness: frequency * frequency,
-        drag: 0.0,
-        friction: 0.0,
-    }
-}
-
 /// Places (relative to rest) and velocities of the oscillator over some steps of unit length.
 fn oscillation(frequency: f64, steps: usize) -> Vec<(f64, f64)> {
-    let system = oscillator(frequency);
+    let system = System::oscillator(frequency);
     let field = Force::Normal(vec![0.0; 2]);
     let mut state = system.at_rest();
     state.positions[1].x += 0.01;
@@ -120,7 +105,7 @@ fn equation_1_conserves_its_shadow_energy() {
 
 #[test]
 fn the_largest_step_is_two_over_the_frequency() {
-    let step = stability::largest_step(&oscillator(3.0));
+    let step = stability::largest_step(&System::oscillator(3.0));
     assert!(step <= 2.0 / 3.0 && step > 0.97 * 2.0 / 3.0, "{step}");
     let growth = |frequency: f64| oscillation(frequency, 2000).iter().map(|p| p.0.abs()).fold(0.0, f64::max);
     assert!(growth(1.99) < 0.2 && growth(2.01) > 100.0);
@@ -175,7 +160,7 @@ fn springs_and_friction_keep_momentum() {
 
 #[test]
 fn equal_forces_move_two_masses_inversely() {
-    let mut system = oscillator(0.0);
+    let mut system = System::oscillator(0.0);
     system.masses = vec![0.5, 5.5];
     system.mobility = vec![2.0, 1.0 / 5.5];
     let mut state = system.at_rest();

@@ -3,7 +3,8 @@
 use super::super::enlargement;
 use super::super::still::Still;
 use crate::base::diagnostic::Diagnostics;
-use crate::base::maths::{pow, srgb_to_linear};
+use crate::base::encoding::linear_values;
+use crate::base::maths::pow;
 use crate::base::picture::Picture;
 use crate::frame::Frame;
 use crate::raster::Renderer;
@@ -181,7 +182,7 @@ fn sized(frame: &Frame, share: f64) -> Frame {
 }
 
 fn linear(picture: &Picture) -> Vec<[f32; 3]> {
-    let table: [f32; 256] = std::array::from_fn(|code| srgb_to_linear(code as f32 / 255.0));
+    let table = linear_values();
     picture.pixels.iter().map(|pixel| [0, 1, 2].map(|k| table[usize::from(pixel[k])])).collect()
 }
 

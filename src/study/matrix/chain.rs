@@ -5,7 +5,7 @@ use super::{Bench, Case, Seen, case, slow};
 use crate::base::calendar::Date;
 use crate::base::maths::log1p;
 use crate::season::{self, Day, Settings, State, Transition, Weather};
-use crate::study::chains::{KNOWN, STEPPED_HAZARDS, leaves, season as states, state, steady, with_hazards};
+use crate::study::chains::{KNOWN, STEPPED_HAZARDS, leaves, steady, with_hazards};
 use crate::study::numbers::{shown, total_variation};
 use crate::study::timing::pool;
 
@@ -32,12 +32,12 @@ pub const CASES: &[Case] = &[
     case("C06c", "chances that sum to 1.25", "error that prints the sum", |_| row(&[0.75, 0.5], "sum to 1.25")),
     case("C06d", "a chance of -0.1", "error that names it", |_| row(&[-0.1, 1.1], "-0.1 is not a chance")),
     case("C06e", "no chances and no half-life", "the state lasts", |_| {
-        let settings = states(&[("a", State::default())]);
+        let settings = Settings::of_states(&[("a", State::default())]);
         let share = leaves(&settings, &steady(), 1, 1).laws(&[1e6])[0].expected[0];
         (season::check(&settings, &steady()).is_empty() && share == 1.0, format!("share {share} after 1e6 days"))
     }),
     case("C07a", "one state", "all leaves in it", |_| {
-        let found = leaves(&states(&[("a", State::default())]), &steady(), 1, 3).at(5.0).states;
+        let found = leaves(&Settings::of_states(&[("a", State::default())]), &steady(), 1, 3).at(5.0).states;
         (found == [0, 0, 0], format!("{found:?}"))
     }),
     case("C07b", "64 states in line", "mean of the Poisson law to 1e-7", |_| long_line()),
@@ -80,9 +80,9 @@ fn refused(bench: &Bench, name: &str, key: &str, value: &str) -> Seen {
 }
 
 fn row(chances: &[f64], says: &str) -> Seen {
-    let mut a = state(10.0, &[("b", 0.5), ("c", 0.5)]);
+    let mut a = State::in_any_climate(10.0, &[("b", 0.5), ("c", 0.5)]);
     a.dry_warm = chances.to_vec();
-    let settings = states(&[("a", a), ("b", State::default()), ("c", State::default())]);
+    let settings = Settings::of_states(&[("a", a), ("b", State::default()), ("c", State::default())]);
     let complaints = season::check(&settings, &steady());
     let told: Vec<String> =
         complaints.iter().map(|complaint| format!("{}: {}", complaint.key, complaint.message)).collect();
@@ -93,11 +93,11 @@ fn long_line() -> Seen {
     let names: Vec<String> = (0..64).map(|number| format!("s{number:02}")).collect();
     let of = |(number, name): (usize, &String)| {
         let next = names.get(number + 1).map(|next| (next.as_str(), 1.0));
-        (name.clone(), state(0.5, next.as_slice()))
+        (name.clone(), State::in_any_climate(0.5, next.as_slice()))
     };
     let list: Vec<(String, State)> = names.iter().enumerate().map(of).collect();
     let borrowed: Vec<(&str, State)> = list.iter().map(|(name, state)| (name.as_str(), state.clone())).collect();
-    let law = leaves(&states(&borrowed), &steady(), 1, 1).laws(&[20.0])[0].expected.clone();
+    let law = leaves(&Settings::of_states(&borrowed), &steady(), 1, 1).laws(&[20.0])[0].expected.clone();
     let mean: f64 = law.iter().enumerate().map(|(number, share)| number as f64 * share).sum();
     let exact = 20.0 * std::f64::consts::LN_2 / 0.5;
     ((mean - exact).abs() < 1e-7, format!("mean {mean:.9}, {exact:.9} exactly"))
@@ -174,7 +174,13 @@ fn ends_of_uniform() -> Seen {
     let [least, most] = [0.0, 1.0 - f64::EPSILON / 2.0].map(wait);
     // A chain whose leaves leave at once, and one that they never leave.
     let at = |half_life: f64| {
-        leaves(&states(&[("a", state(half_life, &[("b", 1.0)])), ("b", State::default())]), &steady(), 1, 1000).at(1.0)
+        leaves(
+            &Settings::of_states(&[("a", State::in_any_climate(half_life, &[("b", 1.0)])), ("b", State::default())]),
+            &steady(),
+            1,
+            1000,
+        )
+        .at(1.0)
     };
     let (fast, slow) = (at(1e-12), at(1e300));
     let finite = fast.since.iter().chain(&slow.since).all(|day| day.is_finite());
