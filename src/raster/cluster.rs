@@ -32,14 +32,17 @@ pub(super) struct Cluster {
 }
 
 /// Triangles of the coarser levels of a small mesh.
-const COARSER: [usize; 4] = [160, 72, 32, 14];
+const COARSER: [usize; 9] = [200, 140, 100, 72, 50, 36, 24, 16, 10];
+
+/// Triangles of the smallest meshes that have coarser levels.
+const LEAST: usize = 32;
 
 /// A mesh in some number of triangles.
 #[derive(Clone, Debug)]
 pub(super) struct Level {
     /// The clusters, in the order of the triangles.
     pub clusters: Vec<Cluster>,
-    /// Distance from the full mesh, metres: the largest root mean square over the triangles that met where one was removed.
+    /// Largest distance from the full mesh, metres.
     pub error: f32,
 }
 
@@ -70,7 +73,7 @@ impl ClusteredMesh {
         let uv_per_metre = if area > 0.0 { (uv_area / area).sqrt() } else { 0.0 };
         let full = mesh.triangles.chunks(size).map(|part| cut(mesh, part)).collect();
         let mut levels = vec![Level { clusters: full, error: 0.0 }];
-        if (COARSER[2]..=LARGEST).contains(&mesh.triangles.len()) {
+        if (LEAST..=LARGEST).contains(&mesh.triangles.len()) {
             for version in simplified(mesh, &COARSER) {
                 let clusters = vec![cut(mesh, &version.triangles)];
                 levels.push(Level { clusters, error: version.error as f32 });

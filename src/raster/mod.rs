@@ -24,6 +24,7 @@ mod even;
 mod layers;
 mod metering;
 mod projection;
+mod quadric;
 mod renderer;
 mod rooms;
 mod samples;
