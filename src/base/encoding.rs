@@ -26,8 +26,17 @@ impl SrgbEncoder {
     /// The code of a linear value, clipped to 0..1; 0 for NaN.
     #[must_use]
     pub fn code(&self, linear: f32) -> u8 {
+        let [code] = self.codes([linear]);
+        code
+    }
+
+    /// The codes of some linear values, each clipped to 0..1; 0 for NaN.
+    #[inline(always)]
+    #[must_use]
+    pub fn codes<const N: usize>(&self, linear: [f32; N]) -> [u8; N] {
+        let steps = linear.map(|value| (value.clamp(0.0, 1.0) * (STEPS - 1) as f32 + 0.5) as i32);
         // The mask changes nothing, but tells the compiler that every step is in the table.
-        self.0[(linear.clamp(0.0, 1.0) * (STEPS - 1) as f32 + 0.5) as i32 as usize & (STEPS - 1)]
+        steps.map(|step| self.0[step as usize & (STEPS - 1)])
     }
 }
 

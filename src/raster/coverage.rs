@@ -42,6 +42,23 @@ pub(super) struct Background {
     pub beyond: u32,
 }
 
+impl Background {
+    /// The nearness at a place in the tile, pixels.
+    #[inline(always)]
+    fn nearness(&self, x: f32, y: f32) -> f32 {
+        self.at + self.right * x + self.down * y
+    }
+
+    /// The least and the largest nearness of the plane over a block.
+    fn range(&self, block: usize) -> [f32; 2] {
+        let [left, top] = [block % BLOCKS, block / BLOCKS].map(|place| (place * BLOCK) as f32);
+        let side = BLOCK as f32;
+        let corners = [[0.0, 0.0], [side, 0.0], [0.0, side], [side, side]];
+        let corners = corners.map(|[x, y]| self.nearness(left + x, top + y));
+        corners.into_iter().fold([f32::MAX, f32::MIN], |[low, high], value| [low.min(value), high.max(value)])
+    }
+}
+
 /// What is nearest at every sample of a tile.
 #[derive(Clone, Debug)]
 pub(super) struct Nearest<const S: usize> {
@@ -56,6 +73,9 @@ pub(super) struct Nearest<const S: usize> {
     /// The smallest nearness in each block, when its bit in `stale` is clear.
     farthest: [f32; BLOCKS * BLOCKS],
     stale: u64,
+    /// What stands in the blocks whose bits in `bare` are set; their samples are not written yet.
+    background: Background,
+    bare: u64,
 }
 
 fn by_axis<const S: usize>(pattern: &[[i32; 2]; S]) -> [[i32; S]; 2] {
@@ -87,6 +107,8 @@ impl<const S: usize> Nearest<S> {
             margin: margin(&pattern::<S>(1, 0)),
             farthest: [0.0; BLOCKS * BLOCKS],
             stale: u64::MAX,
+            background: Background::default(),
+            bare: 0,
         }
     }
 
@@ -98,28 +120,66 @@ impl<const S: usize> Nearest<S> {
 
     /// Puts a background into the tile, which stands at every sample with the nearness and the owner that it has there.
     pub(super) fn clear(&mut self, background: &Background) {
-        for y in 0..SIDE {
-            for x in 0..SIDE {
-                let (nearness, owner) = (&mut self.nearness[y * SIDE + x], &mut self.owner[y * SIDE + x]);
-                let corner = background.at + background.right * x as f32 + background.down * y as f32;
-                for s in 0..S {
-                    let sx = self.pattern[0][s] as f32 * (1.0 / SUBPIXEL as f32);
-                    let sy = self.pattern[1][s] as f32 * (1.0 / SUBPIXEL as f32);
-                    let value = corner + background.right * sx + background.down * sy;
-                    let below = value > 0.0;
-                    nearness[s] = if below { value } else { 0.0 };
-                    owner[s] = if below { background.owner } else { background.beyond };
+        self.background = *background;
+        self.bare = u64::MAX;
+        self.farthest.fill(f32::MIN);
+        self.stale = u64::MAX;
+    }
+
+    /// Who alone is seen in a block that nothing was drawn into.
+    pub(super) fn alone(&self, block: [usize; 2]) -> Option<u32> {
+        let block = block[1] * BLOCKS + block[0];
+        if self.bare >> block & 1 == 0 {
+            return None;
+        }
+        let [low, high] = self.background.range(block);
+        match (low > 0.0, high > 0.0) {
+            (true, _) => Some(self.background.owner),
+            (_, false) => Some(self.background.beyond),
+            _ => None,
+        }
+    }
+
+    /// Writes the samples of the blocks that a box of pixels (left, top, right, bottom; inclusive) touches.
+    #[inline(always)]
+    pub(super) fn uncover(&mut self, bounds: [usize; 4]) {
+        if self.bare != 0 {
+            let [left, top, right, bottom] = bounds.map(|edge| edge / BLOCK);
+            let columns = (u64::MAX >> (63 - right)) & (u64::MAX << left);
+            for row in top..=bottom {
+                let mut blocks = self.bare & columns << (row * BLOCKS) & 0xff << (row * BLOCKS);
+                while blocks != 0 {
+                    self.write_background(blocks.trailing_zeros() as usize);
+                    blocks &= blocks - 1;
                 }
             }
         }
-        self.farthest.fill(f32::MIN);
-        self.stale = u64::MAX;
+    }
+
+    #[cold]
+    fn write_background(&mut self, block: usize) {
+        self.bare &= !(1 << block);
+        let background = self.background;
+        let (left, top) = (block % BLOCKS * BLOCK, block / BLOCKS * BLOCK);
+        let offsets: [[f32; 2]; S] =
+            std::array::from_fn(|s| [0, 1].map(|axis| self.pattern[axis][s] as f32 * (1.0 / SUBPIXEL as f32)));
+        for (y, x) in (top..top + BLOCK).flat_map(|y| (left..left + BLOCK).map(move |x| (y, x))) {
+            let (nearness, owner) = (&mut self.nearness[y * SIDE + x], &mut self.owner[y * SIDE + x]);
+            let corner = background.nearness(x as f32, y as f32);
+            for s in 0..S {
+                let value = corner + background.right * offsets[s][0] + background.down * offsets[s][1];
+                let below = value > 0.0;
+                nearness[s] = if below { value } else { 0.0 };
+                owner[s] = if below { background.owner } else { background.beyond };
+            }
+        }
     }
 
     /// Puts `owner` at one nearness into the whole tile.
     pub(super) fn fill(&mut self, nearness: f32, owner: u32) {
         self.nearness.fill([nearness; S]);
         self.owner.fill([owner; S]);
+        self.bare = 0;
         self.farthest.fill(f32::MIN);
         self.stale = u64::MAX;
     }
@@ -141,6 +201,9 @@ impl<const S: usize> Nearest<S> {
     }
 
     fn block_farthest(&mut self, block: usize) -> f32 {
+        if self.bare >> block & 1 == 1 {
+            return self.background.range(block)[0].max(0.0);
+        }
         if self.stale >> block & 1 == 1 {
             let first = block / BLOCKS * BLOCK * SIDE + block % BLOCKS * BLOCK;
             let mut low = [f32::MAX; S];
@@ -185,6 +248,7 @@ impl<const S: usize> Nearest<S> {
         if self.is_known_to_hide(bounds, high) {
             return false;
         }
+        self.uncover(bounds);
         let narrow = NARROW * SUBPIXEL;
         let is_narrow = high_x.wrapping_sub(low_x) <= narrow && high_y.wrapping_sub(low_y) <= narrow;
         if is_narrow && S == 1 {

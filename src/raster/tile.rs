@@ -9,10 +9,12 @@ use super::draw::{self, Corner, Placed, Scratch};
 use super::layers::Site;
 use super::projection::{Lens, composed};
 use super::samples::{SUBPIXEL, pattern};
-use super::tone::Shown;
+use super::tone::{Colours, LANES};
 use super::{Prepared, shade};
 use crate::base::vector::{Affine, Vec3};
 use crate::frame;
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
 
 /// Owner of a sample that shows the sky.
 const SKY: u32 = u32::MAX;
@@ -65,7 +67,8 @@ pub(super) struct Workspace<const S: usize> {
     scratch: Scratch,
     visible: Vec<Visible>,
     seen: Vec<Seen>,
-    sums: Vec<Sum>,
+    /// Of eight pixels each, row by row.
+    sums: Vec<Sums>,
 }
 
 impl<const S: usize> Workspace<S> {
@@ -85,13 +88,14 @@ impl<const S: usize> Workspace<S> {
         let corner = Corner { x: column * SIDE, y: row * SIDE };
         let passes = prepared.frame.view.samples / S as u32;
         self.sums.clear();
-        self.sums.resize(SIDE * SIDE, Sum::default());
+        self.sums.resize(SIDE * SIDE / LANES, Sums::default());
         let mut sites = Vec::new();
         for pass in 0..passes.max(1) {
             let pattern = pattern::<S>(passes.max(1), pass);
             self.nearest.set_pattern(&pattern);
             self.cover(prepared, bins, corner, [column, row]);
             if pass == 0 && prepared.wants_sites {
+                self.nearest.uncover([0, 0, SIDE - 1, SIDE - 1]);
                 sites = self.sites(prepared, bins, corner);
             }
             self.shade(prepared, bins, corner, &pattern);
@@ -130,18 +134,28 @@ impl<const S: usize> Workspace<S> {
 
     /// Adds what the samples show to the sums of their pixels.
     fn shade(&mut self, prepared: &Prepared, bins: &Bins, corner: Corner, pattern: &[[i32; 2]; S]) {
-        let Self { nearest, visible, seen, sums, .. } = self;
-        let view = &prepared.frame.view;
         let is_open = prepared.frame.background == frame::Background::Transparent;
         let offsets = pattern.map(|p| p.map(|step| step as f32 / SUBPIXEL as f32));
+        let middle = offsets.iter().fold([0.0; 2], |[x, y], offset| [x + offset[0], y + offset[1]]);
         let [width, height] = corner.extent(prepared);
         let mut groups: Vec<Group> = Vec::with_capacity(S);
         for (top, left) in (0..height).step_by(BLOCK).flat_map(|y| (0..width).step_by(BLOCK).map(move |x| (y, x))) {
+            let alone = self.nearest.alone([left / BLOCK, top / BLOCK]);
+            if alone.is_some() && is_open {
+                continue;
+            }
             let mut backdrop = Backdrop::new(prepared, [(corner.x + left) as f32, (corner.y + top) as f32]);
             let (right, bottom) = ((left + BLOCK).min(width), (top + BLOCK).min(height));
+            if alone.is_none() {
+                self.nearest.uncover([left, top, right - 1, bottom - 1]);
+            }
             for (y, x) in (top..bottom).flat_map(|y| (left..right).map(move |x| (y, x))) {
                 let place = y * SIDE + x;
-                collect(&mut groups, &nearest.owner[place], seen, &offsets);
+                groups.clear();
+                match alone {
+                    Some(owner) => groups.push(Group { key: 0, owner, samples: S as u32, x: middle[0], y: middle[1] }),
+                    None => collect(&mut groups, &self.nearest.owner[place], &self.seen, &offsets, middle),
+                }
                 for group in groups.iter().filter(|group| !is_open || group.owner < GROUND) {
                     let share = 1.0 / group.samples as f32;
                     let at = [(corner.x + x) as f32 + group.x * share, (corner.y + y) as f32 + group.y * share];
@@ -149,11 +163,12 @@ impl<const S: usize> Workspace<S> {
                         SKY => backdrop.sky(at),
                         GROUND => backdrop.ground(at),
                         owner => {
-                            let Seen { visible: place, triangle } = seen[owner as usize];
-                            shade::surface(prepared, bins, &mut visible[place as usize], triangle, at)
+                            let Seen { visible: place, triangle } = self.seen[owner as usize];
+                            shade::surface(prepared, bins, &mut self.visible[place as usize], triangle, at)
                         }
                     };
-                    sums[place].add(colour.map(|value| value * view.exposure), group.samples as f32);
+                    let colour = colour.map(|value| value * prepared.frame.view.exposure);
+                    self.sums[place / LANES].add(place % LANES, colour, group.samples as f32);
                 }
             }
         }
@@ -162,23 +177,21 @@ impl<const S: usize> Workspace<S> {
     /// The finished tile of the sums of `count` samples.
     fn encoded(&self, prepared: &Prepared, corner: Corner, count: u32, sites: Vec<Site>) -> Pixels {
         let mut pixels = Pixels { colours: vec![[0; 4]; SIDE * SIDE], sites, squared_error: 0.0 };
-        let [width, height] = corner.extent(prepared);
-        let (mut last, mut shown) = ([f32::NAN; 3], Shown::default());
-        for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
-            let sum = &self.sums[y * SIDE + x];
-            if sum.covered == 0.0 {
-                continue;
+        dispatch!(Level::new(), simd => simd.vectorize(
+            #[inline(always)]
+            || {
+                let eights = pixels.colours.as_chunks_mut::<LANES>().0.iter_mut().zip(&self.sums);
+                for (number, (colours, sums)) in eights.enumerate() {
+                    let (mean, alpha) = sums.mean(count);
+                    let codes = prepared.tone.codes(mean, corner.y + number * LANES / SIDE);
+                    for lane in 0..LANES {
+                        let [r, g, b] = codes[lane];
+                        colours[lane] = if alpha[lane] == 0 { [0; 4] } else { [r, g, b, alpha[lane]] };
+                    }
+                    pixels.squared_error += sums.squared_error(&mean);
+                }
             }
-            let mean = sum.colour.map(|value| value / sum.covered);
-            // Much of a picture is even: what is shown of a colour is found when the colour changes.
-            if mean != last {
-                (last, shown) = (mean, prepared.tone.shown(mean));
-            }
-            let [r, g, b] = prepared.tone.code_at(&shown, corner.x + x, corner.y + y);
-            let alpha = (255.0 * sum.covered / count as f32 + 0.5) as u8;
-            pixels.colours[y * SIDE + x] = [r, g, b, alpha];
-            pixels.squared_error += sum.squared_error(mean);
-        }
+        ));
         pixels
     }
 
@@ -212,33 +225,50 @@ impl<const S: usize> Workspace<S> {
     }
 }
 
-/// What the samples of a pixel have shown so far.
+/// What the samples of some pixels in a row have shown so far.
 #[derive(Clone, Copy, Debug, Default)]
-struct Sum {
-    colour: [f32; 3],
-    squares: [f32; 3],
+struct Sums {
+    colour: Colours,
+    squares: Colours,
     /// Number of the samples that show anything.
-    covered: f32,
+    covered: [f32; LANES],
 }
 
-impl Sum {
+impl Sums {
     #[inline(always)]
-    fn add(&mut self, colour: [f32; 3], samples: f32) {
+    fn add(&mut self, lane: usize, colour: [f32; 3], samples: f32) {
         for k in 0..3 {
-            self.colour[k] += colour[k] * samples;
-            self.squares[k] += colour[k] * colour[k] * samples;
+            self.colour[k][lane] += colour[k] * samples;
+            self.squares[k][lane] += colour[k] * colour[k] * samples;
         }
-        self.covered += samples;
+        self.covered[lane] += samples;
     }
 
-    /// The squared error of the mean if the samples are independent, summed over the channels; 0 for one sample.
-    fn squared_error(&self, mean: [f32; 3]) -> f64 {
-        let count = self.covered;
-        if count < 2.0 {
-            return 0.0;
+    /// The mean of what is shown, and the share that shows anything of `count` samples, 0 to 255.
+    #[inline(always)]
+    fn mean(&self, count: u32) -> (Colours, [u8; LANES]) {
+        let mut mean = self.colour;
+        for channel in &mut mean {
+            for lane in 0..LANES {
+                channel[lane] /= self.covered[lane].max(1.0);
+            }
         }
-        let spread = |k: usize| (self.squares[k] - mean[k] * mean[k] * count).max(0.0) / ((count - 1.0) * count);
-        (0..3).map(|k| f64::from(spread(k))).sum()
+        (mean, self.covered.map(|covered| (255.0 * covered / count as f32 + 0.5) as u8))
+    }
+
+    /// The squared errors of the means if the samples are independent, summed over pixels and channels; a pixel of one sample
+    /// has none.
+    #[inline(always)]
+    fn squared_error(&self, mean: &Colours) -> f64 {
+        let mut errors = [0.0f32; LANES];
+        for k in 0..3 {
+            for lane in 0..LANES {
+                let count = self.covered[lane];
+                let spread = self.squares[k][lane] - mean[k][lane] * mean[k][lane] * count;
+                errors[lane] += if count < 2.0 { 0.0 } else { spread.max(0.0) / ((count - 1.0) * count) };
+            }
+        }
+        errors.iter().map(|error| f64::from(*error)).sum()
     }
 }
 
@@ -258,11 +288,16 @@ fn background(prepared: &Prepared, corner: Corner) -> Background {
     Background { at, right, down, owner: GROUND, beyond: SKY }
 }
 
-/// Gathers the samples of a pixel by what they show: a cluster is shaded once, at the middle of its samples.
-fn collect<const S: usize>(groups: &mut Vec<Group>, owners: &[u32; S], seen: &[Seen], offsets: &[[f32; 2]; S]) {
-    groups.clear();
+/// Gathers the samples of a pixel by what they show: a cluster is shaded once, at the middle of its samples. `middle` is the
+/// sum of all offsets.
+fn collect<const S: usize>(
+    groups: &mut Vec<Group>,
+    owners: &[u32; S],
+    seen: &[Seen],
+    offsets: &[[f32; 2]; S],
+    [x, y]: [f32; 2],
+) {
     if owners.iter().all(|owner| *owner == owners[0]) {
-        let (x, y) = offsets.iter().fold((0.0, 0.0), |(x, y), offset| (x + offset[0], y + offset[1]));
         groups.push(Group { key: 0, owner: owners[0], samples: S as u32, x, y });
         return;
     }

@@ -12,16 +12,14 @@ pub(super) struct Tone {
     encoder: SrgbEncoder,
     /// AgX's curve at even steps of its logarithmic range.
     curve: Vec<f32>,
+    /// What is added to a pixel's channels, in steps of a code, by its row and column in a square of pixels.
+    thresholds: [[f32; LANES]; LANES],
 }
 
-/// A colour on its way to codes.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Shown {
-    /// Linear, below 1 where the curve keeps it there.
-    mapped: [f32; 3],
-    /// Distance of the codes around each channel; 0 where nothing is dithered.
-    steps: [f32; 3],
-}
+/// Pixels of a row that are encoded at once.
+pub(super) const LANES: usize = 8;
+/// The colours of such pixels, channel by channel.
+pub(super) type Colours = [[f32; LANES]; 3];
 
 impl Tone {
     /// Tabulates the encoding.
@@ -32,25 +30,35 @@ impl Tone {
             ToneMap::Agx => (0..AGX_STEPS).map(|step| agx_curve(place(step))).collect(),
             _ => Vec::new(),
         };
-        Self { map: view.tone_map, balance, encoder: SrgbEncoder::default(), curve }
+        let thresholds = std::array::from_fn(|y| std::array::from_fn(|x| threshold(x, y)));
+        Self { map: view.tone_map, balance, encoder: SrgbEncoder::default(), curve, thresholds }
     }
 
-    /// What is shown of an exposed linear colour, wherever it is.
-    pub(super) fn shown(&self, colour: [f32; 3]) -> Shown {
-        let mapped = self.mapped(colour);
-        let steps = if self.map == ToneMap::None { [0.0; 3] } else { mapped.map(step) };
-        Shown { mapped, steps }
+    /// The codes of exposed linear colours in row `y` of the picture, from a column on that is a multiple of their number: with
+    /// a threshold from an ordered pattern instead of a half, so that slow gradients have no bands. Without a tone curve codes
+    /// are for measuring, and are rounded.
+    #[inline(always)]
+    pub(super) fn codes(&self, colours: Colours, y: usize) -> [[u8; 3]; LANES] {
+        let mut mapped = colours;
+        for lane in 0..LANES {
+            let colour = self.mapped(colours.map(|channel| channel[lane]));
+            for k in 0..3 {
+                mapped[k][lane] = colour[k];
+            }
+        }
+        if self.map != ToneMap::None {
+            let thresholds = &self.thresholds[y % LANES];
+            for channel in &mut mapped {
+                for lane in 0..LANES {
+                    channel[lane] += thresholds[lane] * step(channel[lane]);
+                }
+            }
+        }
+        let [red, green, blue] = mapped.map(|channel| self.encoder.codes(channel));
+        std::array::from_fn(|lane| [red[lane], green[lane], blue[lane]])
     }
 
-    /// Its code at a pixel, with a threshold from an ordered pattern instead of a half, so that slow gradients have no bands.
-    /// Without a tone curve codes are for measuring, and are rounded.
-    pub(super) fn code_at(&self, shown: &Shown, x: usize, y: usize) -> [u8; 3] {
-        let shift = threshold(x, y);
-        let [r, g, b] = shown.mapped;
-        let [red, green, blue] = shown.steps;
-        [self.encoder.code(r + shift * red), self.encoder.code(g + shift * green), self.encoder.code(b + shift * blue)]
-    }
-
+    #[inline(always)]
     fn mapped(&self, colour: [f32; 3]) -> [f32; 3] {
         let colour = match &self.balance {
             Some(rows) => rows.map(|row| (row[0] * colour[0] + row[1] * colour[1] + row[2] * colour[2]).max(0.0)),
@@ -135,6 +143,7 @@ fn times(rows: &[[f32; 3]; 3], [r, g, b]: [f32; 3]) -> [f32; 3] {
 }
 
 /// Linear light of about one 8-bit step at a linear value: the slope of sRGB's curve, 2.4 / 1.055 of the power law's.
+#[inline(always)]
 fn step(linear: f32) -> f32 {
     let root = linear.max(0.0).sqrt();
     // The power 1.4 / 2.4, to some percent over what is displayed.
@@ -155,18 +164,17 @@ const DESATURATION: f32 = 0.15;
 
 /// Khronos PBR Neutral (KhronosGroup/ToneMapping): takes off the usual 4 % surface reflection, keeps colours below 0.76 and
 /// rolls what is brighter off towards white.
+#[inline(always)]
 fn neutral(colour: [f32; 3]) -> [f32; 3] {
     let least = colour[0].min(colour[1]).min(colour[2]);
     let offset = if least < 0.08 { least - 6.25 * least * least } else { 0.04 };
     let colour = colour.map(|c| c - offset);
     let peak = colour[0].max(colour[1]).max(colour[2]);
-    if peak < START {
-        return colour;
-    }
+    // What is below is found too, and not taken, so that many colours are found at once.
     let room = 1.0 - START;
     let new_peak = 1.0 - room * room / (peak + room - START);
     let weight = 1.0 - 1.0 / (DESATURATION * (peak - new_peak) + 1.0);
-    colour.map(|c| c * (new_peak / peak) * (1.0 - weight) + new_peak * weight)
+    colour.map(|c| if peak < START { c } else { c * (new_peak / peak) * (1.0 - weight) + new_peak * weight })
 }
 
 /// The colour of which Khronos PBR Neutral makes this one.
@@ -206,15 +214,20 @@ mod tests {
         Tone::new(&view)
     }
 
+    /// The code of a colour at a column and row.
+    fn code(tone: &Tone, colour: [f32; 3], [x, y]: [usize; 2]) -> [u8; 3] {
+        tone.codes(colour.map(|value| [value; LANES]), y)[x % LANES]
+    }
+
     #[test]
     fn without_a_curve_codes_are_those_of_srgb() {
         let tone = tone(ToneMap::None);
         for step in 0..=1000u16 {
             let value = f32::from(step) / 1000.0;
-            let code = tone.code_at(&tone.shown([value; 3]), 3, 5)[0];
+            let code = code(&tone, [value; 3], [3, 5])[0];
             assert!(code.abs_diff(linear_to_srgb8(value)) <= 1, "{value}");
         }
-        assert_eq!(tone.code_at(&tone.shown([-1.0, 2.0, f32::INFINITY]), 3, 5), [0, 255, 255]);
+        assert_eq!(code(&tone, [-1.0, 2.0, f32::INFINITY], [3, 5]), [0, 255, 255]);
     }
 
     #[test]
@@ -264,7 +277,7 @@ mod tests {
             let value = step as f32 * 0.0113;
             let (mut sum, exact) = (0.0, crate::base::maths::linear_to_srgb(neutral([value; 3])[0]) * 255.0);
             for (x, y) in (0..8).flat_map(|x| (0..8).map(move |y| (x, y))) {
-                let code = f32::from(tone.code_at(&tone.shown([value; 3]), x, y)[0]);
+                let code = f32::from(code(&tone, [value; 3], [x, y])[0]);
                 assert!((code - exact).abs() < 1.25, "{value}: {code} {exact}");
                 sum += code;
             }
