@@ -1,6 +1,8 @@
 //! Linear light to 8-bit sRGB and back by tables: for every pixel of a picture or a texture.
 
 use crate::base::maths::{linear_to_srgb, srgb_to_linear};
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, i32x8};
 
 /// Steps of the table between 0 and 1; fine enough that the darkest code spans several.
 const STEPS: usize = 1 << 14;
@@ -26,17 +28,25 @@ impl SrgbEncoder {
     /// The code of a linear value, clipped to 0..1; 0 for NaN.
     #[must_use]
     pub fn code(&self, linear: f32) -> u8 {
-        let [code] = self.codes([linear]);
-        code
+        self.code_at((linear.clamp(0.0, 1.0) * (STEPS - 1) as f32 + 0.5) as i32)
     }
 
-    /// The codes of some linear values, each clipped to 0..1; 0 for NaN.
+    /// Where the codes of eight linear values stand.
+    #[inline(always)]
+    pub fn places<W: Simd>(&self, simd: W, linear: f32x8<W>) -> [i32; 8] {
+        let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+        // A NaN is not above 0.
+        let clipped = linear.simd_gt(zero).select(linear, zero);
+        let clipped = clipped.simd_gt(one).select(one, clipped);
+        (clipped * (STEPS - 1) as f32 + 0.5).to_int::<i32x8<W>>().into()
+    }
+
+    /// The code at such a place.
     #[inline(always)]
     #[must_use]
-    pub fn codes<const N: usize>(&self, linear: [f32; N]) -> [u8; N] {
-        let steps = linear.map(|value| (value.clamp(0.0, 1.0) * (STEPS - 1) as f32 + 0.5) as i32);
+    pub fn code_at(&self, place: i32) -> u8 {
         // The mask changes nothing, but tells the compiler that every step is in the table.
-        steps.map(|step| self.0[step as usize & (STEPS - 1)])
+        self.0[place as usize & (STEPS - 1)]
     }
 }
 

@@ -183,7 +183,7 @@ impl<const S: usize> Workspace<S> {
                 let eights = pixels.colours.as_chunks_mut::<LANES>().0.iter_mut().zip(&self.sums);
                 for (number, (colours, sums)) in eights.enumerate() {
                     let (mean, alpha) = sums.mean(count);
-                    let codes = prepared.tone.codes(mean, corner.y + number * LANES / SIDE);
+                    let codes = prepared.tone.codes(simd, &mean, corner.y + number * LANES / SIDE);
                     for lane in 0..LANES {
                         let [r, g, b] = codes[lane];
                         colours[lane] = if alpha[lane] == 0 { [0; 4] } else { [r, g, b, alpha[lane]] };

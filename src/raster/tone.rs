@@ -4,6 +4,8 @@ use crate::base::encoding::SrgbEncoder;
 use crate::base::maths::{exp2f, log2f, powf};
 use crate::base::vector::{Mat3, Vec3};
 use crate::frame::{ToneMap, UNBALANCED, View};
+use fearless_simd::prelude::*;
+use fearless_simd::f32x8;
 
 /// A tone curve with its encoding.
 pub(super) struct Tone {
@@ -38,35 +40,37 @@ impl Tone {
     /// a threshold from an ordered pattern instead of a half, so that slow gradients have no bands. Without a tone curve codes
     /// are for measuring, and are rounded.
     #[inline(always)]
-    pub(super) fn codes(&self, colours: Colours, y: usize) -> [[u8; 3]; LANES] {
-        let mut mapped = colours;
-        for lane in 0..LANES {
-            let colour = self.mapped(colours.map(|channel| channel[lane]));
-            for k in 0..3 {
-                mapped[k][lane] = colour[k];
+    pub(super) fn codes<W: Simd>(&self, simd: W, colours: &Colours, y: usize) -> [[u8; 3]; LANES] {
+        let [red, green, blue] = colours;
+        let load = |channel: &[f32; LANES]| f32x8::from_slice(simd, channel);
+        let mapped = self.mapped(simd, [load(red), load(green), load(blue)]);
+        let thresholds = load(&self.thresholds[y % LANES]);
+        let mut codes = [[0; 3]; LANES];
+        for k in 0..3 {
+            let dithered = if self.map == ToneMap::None { mapped[k] } else { mapped[k] + thresholds * step(simd, mapped[k]) };
+            let places = self.encoder.places(simd, dithered);
+            for lane in 0..LANES {
+                codes[lane][k] = self.encoder.code_at(places[lane]);
             }
         }
-        if self.map != ToneMap::None {
-            let thresholds = &self.thresholds[y % LANES];
-            for channel in &mut mapped {
-                for lane in 0..LANES {
-                    channel[lane] += thresholds[lane] * step(channel[lane]);
-                }
-            }
-        }
-        let [red, green, blue] = mapped.map(|channel| self.encoder.codes(channel));
-        std::array::from_fn(|lane| [red[lane], green[lane], blue[lane]])
+        codes
     }
 
     #[inline(always)]
-    fn mapped(&self, colour: [f32; 3]) -> [f32; 3] {
+    fn mapped<W: Simd>(&self, simd: W, [red, green, blue]: [f32x8<W>; 3]) -> [f32x8<W>; 3] {
         let colour = match &self.balance {
-            Some(rows) => rows.map(|row| (row[0] * colour[0] + row[1] * colour[1] + row[2] * colour[2]).max(0.0)),
-            None => colour,
+            Some(rows) => {
+                let row = |[r, g, b]: [f32; 3]| {
+                    let sum = red * r + green * g + blue * b;
+                    sum.simd_gt(0.0).select(sum, f32x8::splat(simd, 0.0))
+                };
+                [row(rows[0]), row(rows[1]), row(rows[2])]
+            }
+            None => [red, green, blue],
         };
         match self.map {
-            ToneMap::Neutral => neutral(colour),
-            ToneMap::Agx => self.agx(colour),
+            ToneMap::Neutral => neutral(simd, colour),
+            ToneMap::Agx => self.agx(simd, colour),
             ToneMap::None => colour,
         }
     }
@@ -96,15 +100,21 @@ impl Tone {
     }
 
     /// AgX (Sobotka 2022): into a narrower gamut, a sigmoid over the logarithm, and back.
-    fn agx(&self, colour: [f32; 3]) -> [f32; 3] {
-        let inset = times(&AGX_INSET, colour.map(|c| c.max(0.0)));
-        let curved = inset.map(|c| {
-            let stops = (log2f(c.max(1e-10)) - AGX_RANGE[0]) / (AGX_RANGE[1] - AGX_RANGE[0]);
-            let place = stops.clamp(0.0, 1.0) * (AGX_STEPS - 1) as f32;
-            let first = (place as usize).min(AGX_STEPS - 2);
-            self.curve[first] + (self.curve[first + 1] - self.curve[first]) * (place - first as f32)
-        });
-        times(&AGX_OUTSET, curved).map(|c| powf(c.max(0.0), 2.2))
+    fn agx<W: Simd>(&self, simd: W, [red, green, blue]: [f32x8<W>; 3]) -> [f32x8<W>; 3] {
+        let mut channels: Colours = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            let inset = times(&AGX_INSET, [red[lane], green[lane], blue[lane]].map(|c| c.max(0.0)));
+            let curved = inset.map(|c| {
+                let stops = (log2f(c.max(1e-10)) - AGX_RANGE[0]) / (AGX_RANGE[1] - AGX_RANGE[0]);
+                let place = stops.clamp(0.0, 1.0) * (AGX_STEPS - 1) as f32;
+                let first = (place as usize).min(AGX_STEPS - 2);
+                self.curve[first] + (self.curve[first + 1] - self.curve[first]) * (place - first as f32)
+            });
+            for (channel, value) in channels.iter_mut().zip(times(&AGX_OUTSET, curved)) {
+                channel[lane] = powf(value.max(0.0), 2.2);
+            }
+        }
+        channels.map(|channel| f32x8::from_slice(simd, &channel))
     }
 }
 
@@ -144,10 +154,12 @@ fn times(rows: &[[f32; 3]; 3], [r, g, b]: [f32; 3]) -> [f32; 3] {
 
 /// Linear light of about one 8-bit step at a linear value: the slope of sRGB's curve, 2.4 / 1.055 of the power law's.
 #[inline(always)]
-fn step(linear: f32) -> f32 {
-    let root = linear.max(0.0).sqrt();
+fn step<W: Simd>(simd: W, linear: f32x8<W>) -> f32x8<W> {
+    let root = linear.simd_gt(0.0).select(linear, f32x8::splat(simd, 0.0)).sqrt();
     // The power 1.4 / 2.4, to some percent over what is displayed.
-    (0.008_92 * root * (0.63 + 0.37 * root.sqrt())).max(1.0 / (255.0 * 12.92))
+    let step = root * 0.008_92 * (root.sqrt() * 0.37 + 0.63);
+    let least = f32x8::splat(simd, 1.0 / (255.0 * 12.92));
+    step.simd_gt(least).select(step, least)
 }
 
 /// -0.5 to 0.5 by an 8 x 8 pattern of even thresholds (Bayer 1973), from the bits of x ^ y and y interleaved.
@@ -165,16 +177,21 @@ const DESATURATION: f32 = 0.15;
 /// Khronos PBR Neutral (KhronosGroup/ToneMapping): takes off the usual 4 % surface reflection, keeps colours below 0.76 and
 /// rolls what is brighter off towards white.
 #[inline(always)]
-fn neutral(colour: [f32; 3]) -> [f32; 3] {
-    let least = colour[0].min(colour[1]).min(colour[2]);
-    let offset = if least < 0.08 { least - 6.25 * least * least } else { 0.04 };
-    let colour = colour.map(|c| c - offset);
-    let peak = colour[0].max(colour[1]).max(colour[2]);
-    // What is below is found too, and not taken, so that many colours are found at once.
+fn neutral<W: Simd>(simd: W, [red, green, blue]: [f32x8<W>; 3]) -> [f32x8<W>; 3] {
+    let lesser = |a: f32x8<W>, b: f32x8<W>| a.simd_lt(b).select(a, b);
+    let greater = |a: f32x8<W>, b: f32x8<W>| a.simd_gt(b).select(a, b);
+    let least = lesser(lesser(red, green), blue);
+    let offset = least.simd_lt(0.08).select(least - least * least * 6.25, f32x8::splat(simd, 0.04));
+    let (red, green, blue) = (red - offset, green - offset, blue - offset);
+    let peak = greater(greater(red, green), blue);
+    let is_below = peak.simd_lt(START);
     let room = 1.0 - START;
-    let new_peak = 1.0 - room * room / (peak + room - START);
-    let weight = 1.0 - 1.0 / (DESATURATION * (peak - new_peak) + 1.0);
-    colour.map(|c| if peak < START { c } else { c * (new_peak / peak) * (1.0 - weight) + new_peak * weight })
+    let one = f32x8::splat(simd, 1.0);
+    let new_peak = one - f32x8::splat(simd, room * room) / (peak + (room - START));
+    let weight = one - one / ((peak - new_peak) * DESATURATION + 1.0);
+    let (gain, pale) = ((new_peak / peak) * (one - weight), new_peak * weight);
+    let rolled = |channel: f32x8<W>| is_below.select(channel, channel * gain + pale);
+    [rolled(red), rolled(green), rolled(blue)]
 }
 
 /// The colour of which Khronos PBR Neutral makes this one.
@@ -197,6 +214,7 @@ fn neutral_undone(shown: [f32; 3]) -> [f32; 3] {
 mod tests {
     use super::*;
     use crate::base::maths::linear_to_srgb8;
+    use fearless_simd::{Level, dispatch};
 
     fn tone(tone_map: ToneMap) -> Tone {
         let view = View {
@@ -216,7 +234,13 @@ mod tests {
 
     /// The code of a colour at a column and row.
     fn code(tone: &Tone, colour: [f32; 3], [x, y]: [usize; 2]) -> [u8; 3] {
-        tone.codes(colour.map(|value| [value; LANES]), y)[x % LANES]
+        let colours = colour.map(|value| [value; LANES]);
+        dispatch!(Level::new(), simd => tone.codes(simd, &colours, y))[x % LANES]
+    }
+
+    /// What a curve makes of a colour.
+    fn mapped(tone: &Tone, colour: [f32; 3]) -> [f32; 3] {
+        dispatch!(Level::new(), simd => tone.mapped(simd, colour.map(|value| f32x8::splat(simd, value))).map(|c| c[3]))
     }
 
     #[test]
@@ -232,24 +256,25 @@ mod tests {
 
     #[test]
     fn the_neutral_curve_keeps_the_middle_and_stays_below_white() {
-        let middle = neutral([0.5, 0.3, 0.2]);
+        let tone = tone(ToneMap::Neutral);
+        let middle = mapped(&tone, [0.5, 0.3, 0.2]);
         assert!((middle[0] - 0.46).abs() < 1e-6 && (middle[2] - 0.16).abs() < 1e-6);
         for bright in [1.0, 4.0, 100.0] {
-            let mapped = neutral([bright, bright * 0.5, 0.1]);
+            let mapped = mapped(&tone, [bright, bright * 0.5, 0.1]);
             assert!(mapped.iter().all(|c| (0.0..=1.0).contains(c)));
         }
-        assert!(neutral([2.0, 2.0, 2.0])[0] < neutral([3.0, 3.0, 3.0])[0]);
+        assert!(mapped(&tone, [2.0; 3])[0] < mapped(&tone, [3.0; 3])[0]);
     }
 
     #[test]
     fn agx_keeps_grey_grey_and_middle_grey_in_the_middle_and_never_clips() {
         let tone = tone(ToneMap::Agx);
-        let middle = tone.mapped([0.18; 3]);
+        let middle = mapped(&tone, [0.18; 3]);
         // 0.5 of the encoded range by definition.
         assert!((middle[1] - powf(0.5, 2.2)).abs() < 2e-3 && (middle[0] - middle[2]).abs() < 1e-3, "{middle:?}");
         let mut last = -1.0;
         for stop in -12..5 {
-            let value = tone.mapped([libm::exp2f(stop as f32); 3])[1];
+            let value = mapped(&tone, [libm::exp2f(stop as f32); 3])[1];
             assert!(value > last && value <= 1.0001, "{stop} {value}");
             last = value;
         }
@@ -264,7 +289,7 @@ mod tests {
             // AgX shows no colour that is as pure as the last.
             let count = if map == ToneMap::Agx { 3 } else { 4 };
             for shown in [[0.4, 0.5, 0.6], [0.7; 3], [0.95, 0.9, 0.9], [0.03, 0.2, 0.7]].into_iter().take(count) {
-                let found = tone.mapped(tone.undone(shown));
+                let found = mapped(&tone, tone.undone(shown));
                 assert!((0..3).all(|k| (found[k] - shown[k]).abs() < 5e-3), "{map:?}: {found:?} is not {shown:?}");
             }
         }
@@ -275,7 +300,7 @@ mod tests {
         let tone = tone(ToneMap::Neutral);
         for step in 1..60 {
             let value = step as f32 * 0.0113;
-            let (mut sum, exact) = (0.0, crate::base::maths::linear_to_srgb(neutral([value; 3])[0]) * 255.0);
+            let (mut sum, exact) = (0.0, crate::base::maths::linear_to_srgb(mapped(&tone, [value; 3])[0]) * 255.0);
             for (x, y) in (0..8).flat_map(|x| (0..8).map(move |y| (x, y))) {
                 let code = f32::from(code(&tone, [value; 3], [x, y])[0]);
                 assert!((code - exact).abs() < 1.25, "{value}: {code} {exact}");
