@@ -6,16 +6,16 @@ use super::coverage::{Nearest, SIDE};
 use super::draw::{self, Corner, Placed, Scratch};
 use super::projection::{Projection, composed};
 use super::rooms::Rooms;
-use crate::base::maths::sincosf;
+use crate::base::maths::{floor_to_i32, sincosf};
 use crate::base::random::hash;
-use crate::base::vector::{Vec2, Vec3};
+use crate::base::vector::Vec3;
 use crate::frame::Frame;
 use rayon::prelude::*;
 use std::f32::consts::TAU;
 use std::sync::Arc;
 
 /// Error in texels that a coarser level of a mesh may make: the penumbra is wider.
-const LOD_ERROR: f32 = 0.8;
+const LOD_ERROR: f32 = 1.5;
 /// Places looked up for one shadow.
 const TAPS: usize = 12;
 /// Radius of the penumbra a metre of distance to what casts the shadow: the sun's angular radius, 0.265 degrees.
@@ -34,10 +34,8 @@ pub(super) struct ShadowMap {
     nearness: Vec<f32>,
     /// The largest nearness in each block of texels, row by row: where it is below a point's, nothing shades the point.
     nearest_in_blocks: Vec<f32>,
-    /// Sines and cosines of the turns of the taps.
-    turns: [[f32; 2]; TURNS],
-    /// Where the taps lie in a disc of radius 1: a Vogel spiral, which fills it evenly.
-    taps: [Vec2; TAPS],
+    /// Where the taps lie in a disc of radius 1, in each of their turns.
+    turns: Vec<[[f32; 2]; TAPS]>,
 }
 
 impl ShadowMap {
@@ -67,7 +65,7 @@ impl ShadowMap {
             }
         });
         let nearest_in_blocks = nearest_in_blocks(&nearness, size);
-        Some(Self { projection, size, nearness, nearest_in_blocks, taps: spiral(), turns: turns() })
+        Some(Self { projection, size, nearness, nearest_in_blocks, turns: turns() })
     }
 
     /// The lit share at a point of a surface with this unit normal; `salt` turns the taps, so that neighbouring pixels
@@ -81,15 +79,12 @@ impl ShadowMap {
         if !self.may_be_shaded([screen.x, screen.y], search, nearness) {
             return 1.0;
         }
-        let [sine, cosine] = self.turns[hash(salt, 0) as usize % TURNS];
-        let tap = |index: usize, radius: f32| {
-            let [x, y]: [f32; 2] = (self.taps[index] * radius).into();
-            self.at(Vec2::new(screen.x + x * cosine - y * sine, screen.y + x * sine + y * cosine))
-        };
+        let turned = &self.turns[hash(salt, 0) as usize % TURNS];
+        let centre = [screen.x, screen.y];
         // A first look finds how far what casts the shadow is; that sets the penumbra of the second.
         let (mut count, mut gap) = (0.0f32, 0.0f32);
-        for index in (0..TAPS).step_by(2) {
-            let above = tap(index, search) - nearness;
+        for tap in turned.iter().step_by(2) {
+            let above = self.at(centre, tap, search) - nearness;
             if above > 0.0 {
                 count += 1.0;
                 gap += above;
@@ -99,7 +94,7 @@ impl ShadowMap {
             return 1.0;
         }
         let radius = (gap / count * SUN_RADIUS * self.projection.pixels_per_metre).clamp(0.7, 40.0);
-        let lit = (0..TAPS).filter(|&index| tap(index, radius) <= nearness).count();
+        let lit = turned.iter().filter(|tap| self.at(centre, tap, radius) <= nearness).count();
         lit as f32 / TAPS as f32
     }
 
@@ -113,25 +108,28 @@ impl ShadowMap {
             .any(|row| columns.clone().any(|column| self.nearest_in_blocks[row * width + column] > nearness))
     }
 
-    fn at(&self, place: Vec2) -> f32 {
-        let end = self.size as f32;
-        if !(0.0..end).contains(&place.x) || !(0.0..end).contains(&place.y) {
+    /// The nearness at a tap of a disc; what lies beside the map is never near.
+    #[inline(always)]
+    fn at(&self, [x, y]: [f32; 2], tap: &[f32; 2], radius: f32) -> f32 {
+        let (x, y) = (floor_to_i32(x + tap[0] * radius), floor_to_i32(y + tap[1] * radius));
+        // A negative place is a large one.
+        let (x, y) = (x as u32 as usize, y as u32 as usize);
+        if x >= self.size || y >= self.size {
             return f32::MIN;
         }
-        self.nearness[place.y as usize * self.size + place.x as usize]
+        self.nearness[y * self.size + x]
     }
 }
 
-fn spiral() -> [Vec2; TAPS] {
-    std::array::from_fn(|index| {
-        let (sine, cosine) = sincosf(GOLDEN_ANGLE * index as f32);
-        Vec2::new(cosine, sine) * ((index as f32 + 0.5) / TAPS as f32).sqrt()
-    })
-}
-
-/// Sines and cosines of even steps of a full turn.
-fn turns() -> [[f32; 2]; TURNS] {
-    std::array::from_fn(|step| sincosf(step as f32 / TURNS as f32 * TAU).into())
+/// Places that fill a disc of radius 1 evenly, a Vogel spiral, in each of some even turns of it.
+fn turns() -> Vec<[[f32; 2]; TAPS]> {
+    let place = |turn: usize, index: usize| {
+        let angle = GOLDEN_ANGLE * index as f32 + turn as f32 / TURNS as f32 * TAU;
+        let (sine, cosine) = sincosf(angle);
+        let radius = ((index as f32 + 0.5) / TAPS as f32).sqrt();
+        [cosine * radius, sine * radius]
+    };
+    (0..TURNS).map(|turn| std::array::from_fn(|index| place(turn, index))).collect()
 }
 
 fn nearest_in_blocks(nearness: &[f32], size: usize) -> Vec<f32> {
