@@ -9,6 +9,9 @@ const LARGEST: usize = 512;
 /// Triangles of a cluster of a larger mesh: a few centimetres of a branch.
 const USUAL: usize = 96;
 
+/// Halvings of a large mesh's box along each axis by which its triangles are ordered.
+const MORTON_BITS: u32 = 12;
+
 /// Vertices that are transformed at once.
 pub(super) const LANES: usize = 8;
 
@@ -32,15 +35,15 @@ pub(super) struct Cluster {
 }
 
 /// Triangles of the coarser levels of a small mesh.
-const COARSER: [usize; 9] = [200, 140, 100, 72, 50, 36, 24, 16, 10];
+const COARSER: [usize; 10] = [200, 140, 100, 72, 50, 36, 24, 16, 10, 6];
 
-/// Triangles of the smallest meshes that have coarser levels.
+/// Triangles of the smallest meshes that have coarser levels: stalks.
 const LEAST: usize = 32;
 
 /// A mesh in some number of triangles.
 #[derive(Clone, Debug)]
 pub(super) struct Level {
-    /// The clusters, in the order of the triangles.
+    /// The clusters; those of a large mesh are cut along a curve through it.
     pub clusters: Vec<Cluster>,
     /// Largest distance from the full mesh, metres.
     pub error: f32,
@@ -71,7 +74,8 @@ impl ClusteredMesh {
             })
             .sum();
         let uv_per_metre = if area > 0.0 { (uv_area / area).sqrt() } else { 0.0 };
-        let full = mesh.triangles.chunks(size).map(|part| cut(mesh, part)).collect();
+        let triangles = if mesh.triangles.len() <= LARGEST { mesh.triangles.clone() } else { gathered(mesh) };
+        let full = triangles.chunks(size).map(|part| cut(mesh, part)).collect();
         let mut levels = vec![Level { clusters: full, error: 0.0 }];
         if (LEAST..=LARGEST).contains(&mesh.triangles.len()) {
             for version in simplified(mesh, &COARSER) {
@@ -96,6 +100,25 @@ impl ClusteredMesh {
     pub(super) fn level_within(&self, tolerance: f32) -> usize {
         self.levels.iter().rposition(|level| level.error <= tolerance).unwrap_or(0)
     }
+}
+
+/// The triangles of a mesh in an order in which those that follow one another lie together: along a Morton curve, which
+/// halves the mesh's box by each axis in turn.
+fn gathered(mesh: &Mesh) -> Vec<[u32; 3]> {
+    let corner = |triangle: &[u32; 3]| triangle.map(|v| mesh.positions[v as usize]);
+    let middle = |triangle: &[u32; 3]| corner(triangle).iter().sum::<Vec3>() / 3.0;
+    let middles: Vec<Vec3> = mesh.triangles.iter().map(middle).collect();
+    let first = middles.first().copied().unwrap_or_default();
+    let (low, high) = middles.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
+    let side = (high - low).max().max(1e-9);
+    let place = |number: usize| {
+        let steps = (middles[number] - low) * (((1 << MORTON_BITS) - 1) as f32 / side);
+        let bit = |axis: usize, bit: u32| u64::from(steps[axis] as u32 >> bit & 1) << (3 * bit + axis as u32);
+        (0..MORTON_BITS).map(|level| bit(0, level) | bit(1, level) | bit(2, level)).sum::<u64>()
+    };
+    let mut order: Vec<(u64, u32)> = (0..middles.len()).map(|number| (place(number), number as u32)).collect();
+    order.sort_unstable();
+    order.into_iter().map(|(_, number)| mesh.triangles[number as usize]).collect()
 }
 
 fn cut(mesh: &Mesh, triangles: &[[u32; 3]]) -> Cluster {
