@@ -115,3 +115,46 @@ fn a_picture_without_background_laid_over_a_colour_is_the_picture_before_it() {
     assert!(mixed > 50, "{mixed} pixels are covered in part");
     assert!(open.pixels().any(|pixel| pixel[3] == 0) && open.pixels().any(|pixel| pixel[3] == 255));
 }
+
+/// A scene in the small picture's camera with these outputs, in a folder.
+fn drawn(sets: &[&str]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let sets = [sets, &["output.gltf=\"nodes\"", "image.background=\"transparent\"", "ground.kind=\"none\""]].concat();
+    let done = render(&small(&sets), &Options { out: folder.path().to_owned(), ..Options::default() });
+    assert!(done.failed.is_empty());
+    folder
+}
+
+#[test]
+fn a_picture_of_16_bits_is_that_of_8_bits_in_finer_steps() {
+    for tone in ["light.tone=\"neutral\"", "light.tone=\"agx\"", "light.tone=\"none\""] {
+        let (deep, usual) = (drawn(&[tone, "output.bits=16"]), drawn(&[tone]));
+        let DynamicImage::ImageRgba16(deep) = open(deep.path(), "small.png") else { panic!("not 16 bits with alpha") };
+        let usual = open(usual.path(), "small.png").into_rgba8();
+        let mut between = 0;
+        for (deep, usual) in deep.pixels().zip(usual.pixels()).filter(|(_, usual)| usual[3] > 0) {
+            for k in 0..3 {
+                // A dithered code is that above or below, and the steps of the table of codes add a little.
+                let exact = f64::from(deep[k]) / 257.0;
+                assert!((exact - f64::from(usual[k])).abs() < 1.3, "{tone}: {deep:?} is not {usual:?}");
+                between += usize::from(deep[k] % 257 > 20);
+            }
+            assert!((f64::from(deep[3]) / 257.0 - f64::from(usual[3])).abs() < 0.6);
+        }
+        assert!(between > 100, "{tone}: {between} channels lie between two codes of 8 bits");
+    }
+}
+
+#[test]
+#[cfg(feature = "exr")]
+fn linear_light_is_the_picture_without_a_tone_curve() {
+    let folder = drawn(&["light.tone=\"none\"", "output.exr=true"]);
+    let light = open(folder.path(), "small.exr").into_rgba32f();
+    let picture = open(folder.path(), "small.png").into_rgba8();
+    for (light, pixel) in light.pixels().zip(picture.pixels()).filter(|(_, pixel)| pixel[3] > 0) {
+        for k in 0..3 {
+            let code = leafseason::base::maths::linear_to_srgb8(light[k] / light[3]);
+            assert!(code.abs_diff(pixel[k]) <= 1, "{light:?} is not {pixel:?}");
+        }
+    }
+}

@@ -21,6 +21,9 @@ pub enum ExportError {
     /// The PNG encoder failed.
     #[error("cannot encode a PNG: {0}")]
     Png(#[from] ::png::EncodingError),
+    /// The OpenEXR encoder failed, or the program has none.
+    #[error("cannot encode an EXR: {0}")]
+    Exr(String),
     /// The JSON half of the GLB could not be made.
     #[error("cannot encode glTF JSON: {0}")]
     Json(#[from] serde_json::Error),

@@ -10,6 +10,7 @@ mod buffer;
 mod check;
 mod document;
 mod error;
+mod exr;
 mod geometry;
 mod glb;
 mod layouts;
@@ -19,6 +20,7 @@ mod placement;
 mod png;
 
 pub use error::ExportError;
+pub use exr::{HAS_EXR, exr};
 pub use glb::{Layout, glb};
 pub use placement::Placement;
-pub use png::{grey_8, grey_16, plain, png};
+pub use png::{grey_8, grey_16, plain, png, png_16};

@@ -18,6 +18,19 @@ pub fn png(picture: &Picture) -> Result<Vec<u8>, ExportError> {
     encode(width, height, ColorType::Rgba, picture.pixels.as_flattened())
 }
 
+/// Encodes 16 bits a channel, sRGB with straight alpha, rows from the top; opaque pixels without alpha.
+///
+/// # Errors
+/// As [`png()`].
+pub fn png_16(width: u32, height: u32, pixels: &[[u16; 4]]) -> Result<Vec<u8>, ExportError> {
+    check_size("picture", width, height, pixels.len())?;
+    let is_opaque = pixels.iter().all(|pixel| pixel[3] == u16::MAX);
+    let (colour, channels) = if is_opaque { (ColorType::Rgb, 3) } else { (ColorType::Rgba, 4) };
+    let bytes: Vec<u8> =
+        pixels.iter().flat_map(|pixel| &pixel[..channels]).flat_map(|code| code.to_be_bytes()).collect();
+    encode_as(width, height, (colour, BitDepth::Sixteen), true, &bytes)
+}
+
 /// Encodes numbers in three channels that are no colours: the file names no colour space.
 ///
 /// # Errors
@@ -104,6 +117,18 @@ mod tests {
             at += 12 + length;
         }
         names
+    }
+
+    #[test]
+    fn another_decoder_reads_the_same_16_bits() {
+        for last in [u16::MAX, 700] {
+            let pixels: Vec<[u16; 4]> =
+                (0..12u16).map(|i| [i * 5000, 65535 - i, i, if i == 11 { last } else { u16::MAX }]).collect();
+            let file = png_16(4, 3, &pixels).unwrap();
+            let read = load_from_memory_with_format(&file, ImageFormat::Png).unwrap();
+            assert_eq!(matches!(read, DynamicImage::ImageRgb16(_)), last == u16::MAX);
+            assert!(read.into_rgba16().pixels().zip(&pixels).all(|(read, pixel)| read.0 == *pixel));
+        }
     }
 
     #[test]

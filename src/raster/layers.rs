@@ -1,7 +1,34 @@
-//! What is seen in each pixel, for data sets: how far it is, which way it faces and what it belongs to.
+//! What a drawing holds beside its picture: what is seen in each pixel, how far it is, which way it faces and what it belongs
+//! to, and its light.
 
 use super::tile::{Pixels, SIDE};
+use crate::base::figures::Figures;
+use crate::base::picture::Picture;
 use crate::base::vector::Vec3;
+use rayon::prelude::*;
+
+/// What is wanted of a frame beside its picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wanted {
+    /// What is seen in each pixel.
+    pub sites: bool,
+    /// The light of each pixel.
+    pub radiance: bool,
+}
+
+/// A frame as it was drawn.
+#[derive(Clone, Debug)]
+pub struct Drawing {
+    /// The picture.
+    pub picture: Picture,
+    /// What is seen in each pixel, row by row; empty when it is not wanted.
+    pub sites: Vec<Site>,
+    /// Exposed linear light of each pixel before the tone curve, red, green, blue, and the share that shows anything, row by row;
+    /// empty when it is not wanted.
+    pub radiance: Vec<[f32; 4]>,
+    /// What it took.
+    pub figures: Figures,
+}
 
 /// What most samples of a pixel show.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,8 +48,17 @@ impl Default for Site {
     }
 }
 
-/// The sites of a picture, row by row, of those of its tiles.
-pub(super) fn assembled(width: usize, height: usize, columns: usize, tiles: &[Pixels]) -> Vec<Site> {
-    let site = |x: usize, y: usize| tiles[y / SIDE * columns + x / SIDE].sites[y % SIDE * SIDE + x % SIDE];
-    (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| site(x, y)).collect()
+/// What tiles hold for each of their pixels, row by row of the picture.
+pub(super) fn assembled<T: Copy + Send + Sync>(
+    [width, height]: [usize; 2],
+    columns: usize,
+    tiles: &[Pixels],
+    of: impl Fn(&Pixels) -> &[T] + Sync,
+) -> Vec<T> {
+    let row = |y: usize| {
+        let tiles = &tiles[y / SIDE * columns..][..columns];
+        let row = tiles.iter().flat_map(|tile| of(tile)[y % SIDE * SIDE..][..SIDE].iter().copied());
+        row.take(width).collect::<Vec<T>>()
+    };
+    (0..height).into_par_iter().flat_map_iter(row).collect()
 }

@@ -55,8 +55,9 @@ use texture::MipMap;
 use tile::Workspace;
 use tone::Tone;
 
-pub use layers::Site;
+pub use layers::{Drawing, Site, Wanted};
 pub use renderer::Renderer;
+pub use tone::developed;
 
 /// Everything the tiles read: made once a frame.
 struct Prepared<'a> {
@@ -70,8 +71,7 @@ struct Prepared<'a> {
     shadow: Option<ShadowMap>,
     projection: Projection,
     tone: Tone,
-    /// Whether tiles tell what is seen in their pixels.
-    wants_sites: bool,
+    wanted: Wanted,
 }
 
 /// Draws a frame by itself; see [`Renderer::draw`].
@@ -85,20 +85,16 @@ impl Renderer {
     /// drawn before changes nothing but the time that it takes.
     #[must_use]
     pub fn draw(&mut self, frame: &Frame) -> (Picture, Figures) {
-        let (picture, _, figures) = self.drawn(frame, false);
-        (picture, figures)
+        let drawing = self.draw_wanted(frame, Wanted::default());
+        (drawing.picture, drawing.figures)
     }
 
-    /// Draws a frame, and tells what is seen in each pixel, row by row.
+    /// Draws a frame with what is wanted beside its picture.
     #[must_use]
-    pub fn draw_with_sites(&mut self, frame: &Frame) -> (Picture, Vec<Site>, Figures) {
-        self.drawn(frame, true)
-    }
-
-    fn drawn(&mut self, frame: &Frame, wants_sites: bool) -> (Picture, Vec<Site>, Figures) {
+    pub fn draw_wanted(&mut self, frame: &Frame, wanted: Wanted) -> Drawing {
         if frame.view.metered {
             let metered = metering::metered(frame, self);
-            return self.drawn(&metered, wants_sites);
+            return self.draw_wanted(&metered, wanted);
         }
         let view = frame.view;
         let meshes = self.meshes(frame);
@@ -113,20 +109,24 @@ impl Renderer {
         let shadow = ShadowMap::new(frame, &meshes);
         let tone = Tone::new(&view);
         let prepared =
-            Prepared { frame, instances, meshes, textures, atmosphere, canopy, shadow, projection, tone, wants_sites };
+            Prepared { frame, instances, meshes, textures, atmosphere, canopy, shadow, projection, tone, wanted };
         let tiles: Vec<tile::Pixels> = match samples::at_once(view.samples) {
             1 => draw_tiles::<1>(&prepared, &bins),
             4 => draw_tiles::<4>(&prepared, &bins),
             8 => draw_tiles::<8>(&prepared, &bins),
             _ => draw_tiles::<16>(&prepared, &bins),
         };
-        let picture = assemble(view.width, view.height, bins.columns, &tiles);
+        let size = [view.width as usize, view.height as usize];
+        let pixels = layers::assembled(size, bins.columns, &tiles, |tile| &tile.colours);
+        let picture = Picture { width: view.width, height: view.height, pixels };
+        let sites =
+            layers::assembled(if wanted.sites { size } else { [0; 2] }, bins.columns, &tiles, |tile| &tile.sites);
+        let lit = if wanted.radiance { size } else { [0; 2] };
+        let radiance = layers::assembled(lit, bins.columns, &tiles, |tile| &tile.radiance);
         let error: f64 = tiles.iter().map(|pixels| pixels.squared_error).sum();
         let drawn: u64 = bins.items.iter().map(|item| item.cluster_in(&prepared.meshes).triangles.len() as u64).sum();
         let figures = figures(&prepared, error).with("triangles_drawn", drawn).with("lod_error_px", lod_error);
-        let (width, height) = (view.width as usize, view.height as usize);
-        let sites = if wants_sites { layers::assembled(width, height, bins.columns, &tiles) } else { Vec::new() };
-        (picture, sites, figures)
+        Drawing { picture, sites, radiance, figures }
     }
 }
 
@@ -167,20 +167,6 @@ fn draw_tiles<const S: usize>(prepared: &Prepared, bins: &Bins) -> Vec<tile::Pix
     };
     // One tile at a time: a few hold most of the work, and no thread may be left with a long row of them.
     (0..bins.rows * bins.columns).into_par_iter().with_max_len(1).map(draw).collect()
-}
-
-fn assemble(width: u32, height: u32, columns: usize, tiles: &[tile::Pixels]) -> Picture {
-    let mut picture = Picture::filled(width, height, [0, 0, 0, 255]);
-    picture.pixels.par_chunks_mut(width as usize).enumerate().for_each(|(y, line)| {
-        let tiles = &tiles[y / tile::SIDE * columns..];
-        for (column, part) in line.chunks_mut(tile::SIDE).enumerate() {
-            let from = &tiles[column].colours[(y % tile::SIDE) * tile::SIDE..];
-            for (pixel, colour) in part.iter_mut().zip(from) {
-                *pixel = *colour;
-            }
-        }
-    });
-    picture
 }
 
 /// The antialiasing error is estimated from the spread of the samples of each pixel: their variance over their number is

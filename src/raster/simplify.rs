@@ -40,7 +40,8 @@ pub(super) fn simplified(mesh: &Mesh, counts: &[usize]) -> Vec<Simplified> {
         if state.left == before {
             continue;
         }
-        versions.push(Simplified { triangles: state.triangles.iter().flatten().copied().collect(), error: state.error });
+        versions
+            .push(Simplified { triangles: state.triangles.iter().flatten().copied().collect(), error: state.error });
     }
     versions
 }
@@ -188,7 +189,8 @@ impl State {
 
     /// Whether the ends of an edge share just the corners of its triangles: only then does the surface stay one.
     fn stays_a_surface(&self, from: u32, to: u32) -> bool {
-        let mut shared: Vec<u32> = self.neighbours(from).filter(|&v| self.neighbours(to).any(|other| other == v)).collect();
+        let mut shared: Vec<u32> =
+            self.neighbours(from).filter(|&v| self.neighbours(to).any(|other| other == v)).collect();
         shared.sort_unstable();
         shared.dedup();
         let at_edge = self.neighbours(from).filter(|&v| v == to).count();

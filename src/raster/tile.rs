@@ -27,6 +27,8 @@ pub(super) struct Pixels {
     pub colours: Vec<[u8; 4]>,
     /// What is seen in each pixel, row by row; empty when nobody asks.
     pub sites: Vec<Site>,
+    /// Exposed linear light before the tone curve and the share that shows anything, row by row; empty when nobody asks.
+    pub radiance: Vec<[f32; 4]>,
     /// Estimated squared antialiasing error, summed over pixels and channels; 0 with one sample, whose spread is unknown.
     pub squared_error: f64,
 }
@@ -94,7 +96,7 @@ impl<const S: usize> Workspace<S> {
             let pattern = pattern::<S>(passes.max(1), pass);
             self.nearest.set_pattern(&pattern);
             self.cover(prepared, bins, corner, [column, row]);
-            if pass == 0 && prepared.wants_sites {
+            if pass == 0 && prepared.wanted.sites {
                 self.nearest.uncover([0, 0, SIDE - 1, SIDE - 1]);
                 sites = self.sites(prepared, bins, corner);
             }
@@ -176,7 +178,9 @@ impl<const S: usize> Workspace<S> {
 
     /// The finished tile of the sums of `count` samples.
     fn encoded(&self, prepared: &Prepared, corner: Corner, count: u32, sites: Vec<Site>) -> Pixels {
-        let mut pixels = Pixels { colours: vec![[0; 4]; SIDE * SIDE], sites, squared_error: 0.0 };
+        let lit: &[Sums] = if prepared.wanted.radiance { &self.sums } else { &[] };
+        let radiance = lit.iter().flat_map(|sums| (0..LANES).map(|lane| sums.light(lane, count))).collect();
+        let mut pixels = Pixels { colours: vec![[0; 4]; SIDE * SIDE], sites, radiance, squared_error: 0.0 };
         dispatch!(Level::new(), simd => simd.vectorize(
             #[inline(always)]
             || {
@@ -254,6 +258,13 @@ impl Sums {
             }
         }
         (mean, self.covered.map(|covered| (255.0 * covered / count as f32 + 0.5) as u8))
+    }
+
+    /// The mean of what a pixel shows and the share of `count` samples that show anything.
+    fn light(&self, lane: usize, count: u32) -> [f32; 4] {
+        let covered = self.covered[lane];
+        let [red, green, blue] = self.colour.map(|channel| channel[lane] / covered.max(1.0));
+        [red, green, blue, covered / count as f32]
     }
 
     /// The squared errors of the means if the samples are independent, summed over pixels and channels; a pixel of one sample

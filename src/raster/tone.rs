@@ -1,11 +1,12 @@
 //! From radiance to 8-bit sRGB: white balance, tone curve, encoding.
 
 use crate::base::encoding::SrgbEncoder;
-use crate::base::maths::{exp2f, log2f, powf};
+use crate::base::maths::{exp2f, linear_to_srgb, log2f, powf};
 use crate::base::vector::{Mat3, Vec3};
 use crate::frame::{ToneMap, UNBALANCED, View};
 use fearless_simd::prelude::*;
-use fearless_simd::f32x8;
+use fearless_simd::{Level, dispatch, f32x8};
+use rayon::prelude::*;
 
 /// A tone curve with its encoding.
 pub(super) struct Tone {
@@ -47,7 +48,8 @@ impl Tone {
         let thresholds = load(&self.thresholds[y % LANES]);
         let mut codes = [[0; 3]; LANES];
         for k in 0..3 {
-            let dithered = if self.map == ToneMap::None { mapped[k] } else { mapped[k] + thresholds * step(simd, mapped[k]) };
+            let dithered =
+                if self.map == ToneMap::None { mapped[k] } else { mapped[k] + thresholds * step(simd, mapped[k]) };
             let places = self.encoder.places(simd, dithered);
             for lane in 0..LANES {
                 codes[lane][k] = self.encoder.code_at(places[lane]);
@@ -116,6 +118,30 @@ impl Tone {
         }
         channels.map(|channel| f32x8::from_slice(simd, &channel))
     }
+}
+
+/// The codes of 16 bits of exposed linear colours with their alpha: what a view's white balance and tone curve make of them,
+/// in sRGB. Slow gradients need no dither in so many steps.
+#[must_use]
+pub fn developed(view: &View, radiance: &[[f32; 4]]) -> Vec<[u16; 4]> {
+    let tone = Tone::new(view);
+    let eight = |pixels: &[[f32; 4]]| {
+        let mut colours: Colours = [[0.0; LANES]; 3];
+        for (lane, pixel) in pixels.iter().enumerate() {
+            (0..3).for_each(|k| colours[k][lane] = pixel[k]);
+        }
+        let mapped = dispatch!(Level::new(), simd => {
+            let [red, green, blue] = tone.mapped(simd, colours.map(|channel| f32x8::from_slice(simd, &channel)));
+            [<[f32; LANES]>::from(red), green.into(), blue.into()]
+        });
+        let code = |value: f32| (value.clamp(0.0, 1.0) * 65535.0 + 0.5) as u16;
+        let codes = |(lane, pixel): (usize, &[f32; 4])| {
+            let [red, green, blue] = mapped.map(|channel| code(linear_to_srgb(channel[lane])));
+            [red, green, blue, code(pixel[3])]
+        };
+        pixels.iter().enumerate().map(codes).collect::<Vec<_>>()
+    };
+    radiance.par_chunks(LANES).flat_map_iter(eight).collect()
 }
 
 /// Steps of the table of AgX's curve.
@@ -214,7 +240,6 @@ fn neutral_undone(shown: [f32; 3]) -> [f32; 3] {
 mod tests {
     use super::*;
     use crate::base::maths::linear_to_srgb8;
-    use fearless_simd::{Level, dispatch};
 
     fn tone(tone_map: ToneMap) -> Tone {
         let view = View {

@@ -1,7 +1,8 @@
 //! Draws the frames of a prepared scene and writes their files.
 
+use super::finishing::{FrameFiles, Image, Made, Written};
 use super::layers::Seen;
-use super::manifest::{Key, Manifest};
+use super::manifest::Key;
 use super::names::Names;
 use super::preparation::Prepared;
 use super::progress::{self, Event, Progress};
@@ -18,7 +19,7 @@ use crate::export;
 use crate::fall::Counts;
 use crate::frame::Frame;
 use crate::plan::{self, PlannedFrame};
-use crate::raster::{Renderer, Site};
+use crate::raster::{self, Drawing, Renderer, Wanted};
 use crate::report::{FrameReport, Report};
 use crate::scene::output::{Chart, Gltf};
 use crate::scene::{Scene, camera::Subject};
@@ -26,8 +27,6 @@ use crate::season::{self, LeafStates};
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-/// The files of a frame, by name.
-type FrameFiles = Vec<(String, Vec<u8>)>;
 /// The states of the leaves of every cell; none without seasons.
 type CellStates = Vec<Option<LeafStates>>;
 /// The fallen leaves of every cell; none where they are not asked for.
@@ -46,6 +45,23 @@ pub struct Run<'a> {
     atelier: Atelier,
     /// How many times as large pictures are drawn before they are averaged.
     enlarged: u32,
+    /// The files of frames that later frames repeat, until the last of them.
+    repeated: BTreeMap<i64, FrameFiles>,
+}
+
+/// What is told of a frame once its files are written.
+struct Drawn {
+    index: i64,
+    states: CellStates,
+    falls: CellFalls,
+    /// Wall time of the drawing, seconds.
+    seconds: f64,
+}
+
+/// What hears of a run.
+struct Listeners<'a> {
+    progress: &'a mut Progress,
+    outcome: &'a mut Outcome,
 }
 
 impl<'a> Run<'a> {
@@ -53,8 +69,8 @@ impl<'a> Run<'a> {
     pub fn new(scene: &'a Scene, options: &'a Options, cells: Vec<Prepared>, names: Names, report: Report) -> Self {
         let trees = cells.iter().map(|cell| cell.stand.trees.len()).max().unwrap_or(0);
         let states_text = states_file::header(trees > 1, scene.sheet_column());
-        let (renderer, atelier) = (Renderer::default(), Atelier::default());
-        Self { scene, options, cells, names, report, states_text, renderer, atelier, enlarged: 1 }
+        let (renderer, atelier, repeated) = (Renderer::default(), Atelier::default(), BTreeMap::new());
+        Self { scene, options, cells, names, report, states_text, renderer, atelier, enlarged: 1, repeated }
     }
 
     /// The same run with pictures that are drawn so many times as large.
@@ -97,30 +113,83 @@ impl<'a> Run<'a> {
         }
         self.make_folder()?;
         files::clean(&self.options.out);
-        // Pictures that later frames repeat are kept until the last of them.
-        let mut drawn: BTreeMap<i64, FrameFiles> = BTreeMap::new();
         let frames = self.cells.first().map_or_else(Vec::new, |cell| cell.plan.frames.clone());
         let last_use: BTreeMap<i64, i64> = frames.iter().filter_map(|f| Some((f.same_as?, f.index))).collect();
+        let is_repeated = |index: i64| last_use.contains_key(&index);
+        let mut listeners = Listeners { progress, outcome };
+        let mut last: Option<(Drawn, Made)> = None;
         for planned in frames {
             if signals.came() {
-                outcome.interrupted = true;
+                listeners.outcome.interrupted = true;
                 break;
             }
-            match self.draw(planned, &stocks, &drawn, key) {
-                Ok(files) => {
-                    progress.tell(Event::Drawn { frame: planned.index });
-                    if last_use.contains_key(&planned.index) {
-                        drawn.insert(planned.index, files);
-                    }
-                    drawn.retain(|earlier, _| planned.same_as != Some(*earlier) || last_use[earlier] != planned.index);
-                }
-                Err(fault) if self.options.keep_going => {
-                    progress.tell(Event::Failed { frame: planned.index, message: &fault.to_string() });
-                    outcome.failed.push((planned.index, fault));
-                }
-                Err(fault) => return Err(fault),
+            if planned.same_as.is_some() {
+                // What it repeats may be the frame before it.
+                self.finish(last.take(), key, is_repeated, &mut listeners)?;
             }
+            // A frame is finished while the next is drawn.
+            let (folder, names) = (&self.options.out, self.names.clone());
+            let (told, made) = last.take().unzip();
+            let before = made.zip(told.as_ref().map(|told| key(told.index)));
+            let (next, written) = rayon::join(
+                || self.draw(planned, &stocks),
+                || before.map(|(made, key)| made.written(folder, &names, key)),
+            );
+            if let Some((told, written)) = told.zip(written) {
+                self.tell(told, written, is_repeated, &mut listeners)?;
+            }
+            match next {
+                Ok(drawn) => last = Some(drawn),
+                Err(fault) => self.failed(planned.index, fault, &mut listeners)?,
+            }
+            self.repeated.retain(|earlier, _| planned.same_as != Some(*earlier) || last_use[earlier] != planned.index);
         }
+        self.finish(last, key, is_repeated, &mut listeners)
+    }
+
+    /// Writes a frame's files and tells of it.
+    fn finish(
+        &mut self,
+        frame: Option<(Drawn, Made)>,
+        key: &dyn Fn(i64) -> Key,
+        is_repeated: impl Fn(i64) -> bool,
+        listeners: &mut Listeners<'_>,
+    ) -> Result<(), Diagnostics> {
+        let Some((told, made)) = frame else { return Ok(()) };
+        let written = made.written(&self.options.out, &self.names, key(told.index));
+        self.tell(told, written, is_repeated, listeners)
+    }
+
+    /// Tells of a frame that is written, and keeps its files if others repeat it.
+    fn tell(
+        &mut self,
+        frame: Drawn,
+        written: Result<Written, Diagnostics>,
+        is_repeated: impl Fn(i64) -> bool,
+        listeners: &mut Listeners<'_>,
+    ) -> Result<(), Diagnostics> {
+        let written = match written {
+            Ok(written) => written,
+            Err(fault) => return self.failed(frame.index, fault, listeners),
+        };
+        if let Some((seconds, figures)) = written.encoding {
+            self.report.add("png", seconds, figures);
+        }
+        self.note(frame.index, &frame.states, &frame.falls, frame.seconds + written.seconds);
+        listeners.progress.tell(Event::Drawn { frame: frame.index });
+        if is_repeated(frame.index) {
+            self.repeated.insert(frame.index, written.files);
+        }
+        Ok(())
+    }
+
+    /// Notes a frame that failed, or ends the run with its fault.
+    fn failed(&self, frame: i64, fault: Diagnostics, listeners: &mut Listeners<'_>) -> Result<(), Diagnostics> {
+        if !self.options.keep_going {
+            return Err(fault);
+        }
+        listeners.progress.tell(Event::Failed { frame, message: &fault.to_string() });
+        listeners.outcome.failed.push((frame, fault));
         Ok(())
     }
 
@@ -163,45 +232,33 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// Draws one frame and writes its files, the manifest last.
-    fn draw(
-        &mut self,
-        planned: PlannedFrame,
-        stocks: &[Option<Stock>],
-        drawn: &BTreeMap<i64, FrameFiles>,
-        key: &dyn Fn(i64) -> Key,
-    ) -> Result<FrameFiles, Diagnostics> {
+    /// Draws one frame, or takes the files of the one that it repeats.
+    fn draw(&mut self, planned: PlannedFrame, stocks: &[Option<Stock>]) -> Result<(Drawn, Made), Diagnostics> {
         let start = Instant::now();
         let index = planned.index;
         let states = self.states(index);
         let falls = self.falls(index, &states);
-        let earlier = planned.same_as.and_then(|earlier| drawn.get(&earlier));
-        let files: FrameFiles = match earlier {
+        let made = match planned.same_as.and_then(|earlier| self.repeated.get(&earlier)) {
             Some(files) => {
                 let names = self.names.all(index);
-                names.into_iter().zip(files).map(|(name, (_, bytes))| (name, bytes.clone())).collect()
+                let files = names.into_iter().zip(files).map(|(name, (_, bytes))| (name, bytes.clone())).collect();
+                Made { picture: None, files }
             }
             None => self.made(index, stocks, &states, &falls)?,
         };
-        for (name, bytes) in &files {
-            files::write(&self.options.out.join(name), bytes).map_err(|error| fault::written(&error))?;
-        }
-        let listed: Vec<(String, &[u8])> = files.iter().map(|(name, bytes)| (name.clone(), bytes.as_slice())).collect();
-        let manifest = Manifest::new(&self.names.scene, self.names.frames, key(index), &listed);
-        manifest.write(&self.options.out).map_err(|error| fault::written(&error))?;
-        self.note(index, &states, &falls, start.elapsed().as_secs_f64());
-        Ok(files)
+        Ok((Drawn { index, states, falls, seconds: start.elapsed().as_secs_f64() }, made))
     }
 
-    /// The files of a frame; none when nothing is drawn. A cell without a stock in `stocks` gets one for the time being.
+    /// The picture and the files of a frame; none when nothing is drawn. A cell without a stock in `stocks` gets one for the time being.
     fn made(
         &mut self,
         index: i64,
         stocks: &[Option<Stock>],
         states: &CellStates,
         falls: &CellFalls,
-    ) -> Result<FrameFiles, Diagnostics> {
+    ) -> Result<Made, Diagnostics> {
         let mut pictures = Vec::new();
+        let mut deep = None;
         let mut files = Vec::new();
         let mut layers = Vec::new();
         for (number, (states, falls)) in states.iter().zip(falls).enumerate() {
@@ -228,38 +285,54 @@ impl<'a> Run<'a> {
                 }
                 _ => frame,
             };
-            if scene.output.png {
-                let (picture, sites) = {
-                    let inset = self.scene.output.inset.then(|| stock.inset(&worn, &frame)).flatten();
-                    let wants_sites = !self.names.layers(index).is_empty();
-                    let tools = (&mut self.report, &mut self.renderer);
-                    rasterised(tools, &frame, (self.enlarged, inset.as_ref()), wants_sites)?
-                };
-                pictures.push((self.scene.seeds.get(number).copied(), picture));
-                if let Some(sites) = sites {
-                    let seen = Seen { frame: &frame, sites: &sites, stand, states: states.as_ref() };
+            // One thread writes the glTF file while the others draw.
+            let name = self.names.gltf(index);
+            let output = &self.scene.output;
+            let wanted =
+                Wanted { sites: !self.names.layers(index).is_empty(), radiance: output.bits == 16 || output.exr };
+            let (drawing, glb) = rayon::join(
+                || {
+                    scene.output.png.then(|| {
+                        let inset = self.scene.output.inset.then(|| stock.inset(&worn, &frame)).flatten();
+                        let tools = (&mut self.report, &mut self.renderer);
+                        rasterised(tools, &frame, (self.enlarged, inset.as_ref()), wanted)
+                    })
+                },
+                || {
+                    let start = Instant::now();
+                    let glb = name.zip(layout).map(|(name, layout)| (name, export::glb(&frame, layout_of(layout))));
+                    glb.map(|(name, glb)| (name, glb, start.elapsed().as_secs_f64()))
+                },
+            );
+            if let Some(drawing) = drawing.transpose()? {
+                if wanted.sites {
+                    let seen = Seen { frame: &frame, sites: &drawing.sites, stand, states: states.as_ref() };
                     layers.extend(timed(&mut self.report, "png", || {
                         let made = layers::layers(&seen).map_err(|error| fault::export(&error))?;
                         Ok::<_, Diagnostics>((made, Figures::of(0)))
                     })?);
                 }
+                if let Some(name) = self.names.exr(index) {
+                    let view = frame.view;
+                    let bytes = export::exr(view.width, view.height, &drawing.radiance);
+                    files.push((name, bytes.map_err(|error| fault::export(&error))?));
+                }
+                if self.scene.output.bits == 16 {
+                    let size = [frame.view.width, frame.view.height];
+                    deep = Some(Image::Sixteen { size, pixels: raster::developed(&frame.view, &drawing.radiance) });
+                }
+                pictures.push((self.scene.seeds.get(number).copied(), drawing.picture));
             }
-            if let (Some(name), Some(layout)) = (self.names.gltf(index), layout) {
-                let bytes = timed(&mut self.report, "gltf", || export::glb(&frame, layout_of(layout)));
-                files.push((name, bytes.map_err(|error| fault::export(&error))?));
+            if let Some((name, glb, seconds)) = glb {
+                let (bytes, figures) = glb.map_err(|error| fault::export(&error))?;
+                self.report.add("gltf", seconds, figures);
+                files.push((name, bytes));
             }
-        }
-        if let Some(name) = self.names.png(index).filter(|_| !pictures.is_empty()) {
-            let picture = self.assembled(pictures);
-            let bytes = timed(&mut self.report, "png", || {
-                let bytes = export::png(&picture).map_err(|error| fault::export(&error))?;
-                let figures = Figures::of(1).with("bytes", bytes.len());
-                Ok::<_, Diagnostics>((bytes, figures))
-            })?;
-            files.insert(0, (name, bytes));
         }
         files.extend(self.names.layers(index).into_iter().zip(layers));
-        Ok(files)
+        let name = self.names.png(index).filter(|_| !pictures.is_empty());
+        let picture = name.map(|name| (name, deep.unwrap_or_else(|| Image::Eight(self.assembled(pictures)))));
+        Ok(Made { picture, files })
     }
 
     /// The picture of a frame: the only one, or all of them as a contact sheet.
@@ -338,27 +411,21 @@ impl<'a> Run<'a> {
     }
 }
 
-/// The picture of a frame, with another let into it, and what is seen in its pixels if it is asked for.
+/// A frame drawn, with another let into its picture.
 fn rasterised(
     (report, renderer): (&mut Report, &mut Renderer),
     frame: &Frame,
     (enlarged, inset): (u32, Option<&Frame>),
-    wants_sites: bool,
-) -> Result<(Picture, Option<Vec<Site>>), Diagnostics> {
+    wanted: Wanted,
+) -> Result<Drawing, Diagnostics> {
     timed(report, "raster", || {
         let before = stopwatch::processor_seconds();
-        let (mut picture, sites, figures) = if wants_sites && enlarged <= 1 {
-            let (picture, sites, figures) = renderer.draw_with_sites(frame);
-            (picture, Some(sites), figures)
-        } else {
-            let sites = wants_sites.then(|| renderer.draw_with_sites(frame).1);
-            let (picture, figures) = enlargement::drawn(renderer, frame, enlarged);
-            (picture, sites, figures)
-        };
+        let mut drawing = enlargement::drawn(renderer, frame, enlarged, wanted);
         if let Some(inset) = inset {
-            picture_inset::place(&mut picture, &renderer.draw(inset).0);
+            picture_inset::place(&mut drawing.picture, &renderer.draw(inset).0);
         }
-        Ok(((picture, sites), figures.with("cpu_seconds", stopwatch::processor_seconds() - before)))
+        let figures = std::mem::take(&mut drawing.figures);
+        Ok((drawing, figures.with("cpu_seconds", stopwatch::processor_seconds() - before)))
     })
 }
 

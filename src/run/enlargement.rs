@@ -2,33 +2,50 @@
 //! has, with meshes, textures and shading as fine.
 
 use crate::base::encoding::linear_values;
-use crate::base::figures::Figures;
 use crate::base::maths::linear_to_srgb8;
 use crate::base::picture::Picture;
 use crate::frame::Frame;
-use crate::raster::Renderer;
+use crate::raster::{Drawing, Renderer, Wanted};
 use rayon::prelude::*;
 
 /// Draws a frame `times` as large in each direction and averages it to its own size; what the rasteriser tells is of the
-/// large picture, its antialiasing error scaled to the samples that a pixel has.
+/// large picture, its antialiasing error scaled to the samples that a pixel has. What is seen in each pixel cannot be averaged
+/// and is that of a frame of its own size.
 #[must_use]
-pub fn drawn(renderer: &mut Renderer, frame: &Frame, times: u32) -> (Picture, Figures) {
+pub fn drawn(renderer: &mut Renderer, frame: &Frame, times: u32, wanted: Wanted) -> Drawing {
     if times <= 1 {
-        return renderer.draw(frame);
+        return renderer.draw_wanted(frame, wanted);
     }
+    let sites = if wanted.sites { renderer.draw_wanted(frame, wanted).sites } else { Vec::new() };
     let mut large = frame.clone();
     large.view.width *= times;
     large.view.height *= times;
     if let Some(lines) = &mut large.view.wireframe {
         lines.width *= times as f32;
     }
-    let (picture, mut figures) = renderer.draw(&large);
+    let drawing = renderer.draw_wanted(&large, Wanted { sites: false, ..wanted });
+    let mut figures = drawing.figures;
     if let Some(error) = &mut figures.error {
         error.value /= f64::from(times);
         error.how = format!("{}, averaged over {times} x {times} pixels", error.how);
     }
+    let radiance = averaged_light(&drawing.radiance, large.view.width as usize, times as usize);
     let figures = figures.with("enlarged", times);
-    (averaged(&picture, times), figures)
+    Drawing { picture: averaged(&drawing.picture, times), sites, radiance, figures }
+}
+
+/// Each `times` x `times` pixels of light averaged, colours by their alpha; rows are of `width` pixels.
+fn averaged_light(large: &[[f32; 4]], width: usize, times: usize) -> Vec<[f32; 4]> {
+    let strip = |rows: &[[f32; 4]]| {
+        let mean = |x: usize| {
+            let pixels = || rows.chunks(width).flat_map(move |row| &row[x * times..][..times]);
+            let alpha: f32 = pixels().map(|pixel| pixel[3]).sum();
+            let channel = |k: usize| pixels().map(|pixel| pixel[k] * pixel[3]).sum::<f32>() / alpha.max(1e-9);
+            [channel(0), channel(1), channel(2), alpha / (times * times) as f32]
+        };
+        (0..width / times).map(mean).collect::<Vec<_>>()
+    };
+    large.par_chunks(width * times).flat_map_iter(strip).collect()
 }
 
 /// Each `times` x `times` pixels averaged in linear light, colours by their alpha.

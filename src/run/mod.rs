@@ -6,6 +6,7 @@ mod drawing;
 pub mod enlargement;
 pub mod fault;
 pub mod files;
+mod finishing;
 pub mod frame_list;
 mod growth;
 mod layers;

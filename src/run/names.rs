@@ -4,6 +4,7 @@ use super::{files, layers};
 use crate::scene::Scene;
 
 /// What decides the names.
+#[derive(Clone, Debug)]
 pub struct Names {
     /// The scene's name.
     pub scene: String,
@@ -12,6 +13,7 @@ pub struct Names {
     png: bool,
     gltf: bool,
     layers: bool,
+    exr: bool,
 }
 
 impl Names {
@@ -23,7 +25,8 @@ impl Names {
             frames,
             png: scene.output.png,
             gltf: scene.output.gltf.is_some(),
-            layers: has_layers(scene),
+            layers: scene.output.layers && has_one_picture(scene),
+            exr: scene.output.exr && has_one_picture(scene),
         }
     }
 
@@ -37,9 +40,14 @@ impl Names {
         self.gltf.then(|| format!("{}.glb", files::stem(&self.scene, frame, self.frames)))
     }
 
+    /// The file of a frame's light.
+    pub fn exr(&self, frame: i64) -> Option<String> {
+        self.exr.then(|| format!("{}.exr", files::stem(&self.scene, frame, self.frames)))
+    }
+
     /// All files of a frame.
     pub fn all(&self, frame: i64) -> Vec<String> {
-        self.png(frame).into_iter().chain(self.gltf(frame)).chain(self.layers(frame)).collect()
+        self.png(frame).into_iter().chain(self.gltf(frame)).chain(self.exr(frame)).chain(self.layers(frame)).collect()
     }
 
     /// The layers of a frame, in the order of their kinds.
@@ -50,7 +58,7 @@ impl Names {
     }
 }
 
-/// Whether a scene's frames have layers: pictures that are no sheets do, where they are asked for.
-fn has_layers(scene: &Scene) -> bool {
-    scene.output.layers && scene.output.png && scene.cell_count() == 0
+/// Whether a scene's frames have a picture that is no sheet: only those have other files beside them.
+fn has_one_picture(scene: &Scene) -> bool {
+    scene.output.png && scene.cell_count() == 0
 }

@@ -1,6 +1,6 @@
 //! What the stages' checks complain of.
 
-use super::{Scene, Species, camera, image, light, planting};
+use super::{Scene, Species, camera, image, light, output, planting};
 use crate::base::settings::Complaint;
 use crate::{colour, deform, fall, leaf, season, tree};
 
@@ -14,6 +14,7 @@ pub fn of_scene(scene: &Scene) -> Vec<(String, Complaint)> {
     take("camera", camera::check(&scene.camera));
     take("light", light::check(&scene.light));
     take("image", image::check(&scene.image));
+    take("output", output::check(&scene.output));
     take("fall", fall::check(&scene.fall));
     for (entry, planted) in scene.trees.iter().enumerate() {
         take(&format!("trees.{entry}"), planting::check(&planted.planting));

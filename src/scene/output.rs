@@ -1,5 +1,6 @@
 //! Which files are written for each frame.
 
+use crate::base::settings::Complaint;
 use crate::{choice, settings};
 
 choice! {
@@ -39,7 +40,32 @@ settings! {
         /// (red, green, blue as one number: 1 for the first leaf of the file of states; 0 for no leaf) and NAME.state.png (1 for
         /// the first state of that file's order of states; 0 for no leaf). A contact sheet has none.
         layers: bool = false;
+        /// Bits of each channel of the picture, 8 or 16. With 16 a picture has no inset and is no contact sheet.
+        bits: u32 = 8, range 8 => 16;
+        /// The light of each pixel, exposed and before the tone curve, beside each picture: NAME.exr, linear sRGB in 32-bit floating
+        /// point numbers, colours multiplied by alpha. A contact sheet has none. Needs a program that was built with `--features exr`.
+        exr: bool = false;
         /// One leaf enlarged in the lower right corner.
         inset: bool = false;
     }
+}
+
+/// What is wrong with well-typed outputs.
+pub fn check(output: &Output) -> Vec<Complaint> {
+    let mut complaints = Vec::new();
+    if ![8, 16].contains(&output.bits) {
+        complaints.push(Complaint::new("bits", format!("{} bits have no PNG", output.bits), "write 8 or 16"));
+    }
+    if output.bits == 16 && output.inset {
+        complaints.push(Complaint::new(
+            "inset",
+            "an inset is let into pictures of 8 bits only",
+            "write output.bits = 8",
+        ));
+    }
+    if output.exr && !cfg!(feature = "exr") {
+        let help = "build it with `--features exr`, or take the key away";
+        complaints.push(Complaint::new("exr", "this program was built without OpenEXR", help));
+    }
+    complaints
 }

@@ -85,6 +85,13 @@ pub(super) fn check(scene: &Scene) -> Vec<Complaint> {
     if count == 0 {
         return complaints;
     }
+    if scene.output.bits == 16 {
+        complaints.push(Complaint::new(
+            "output.bits",
+            "a contact sheet has 8 bits",
+            "write 8, or draw its cells one by one",
+        ));
+    }
     if !scene.seeds.is_empty() && !scene.cells.is_empty() {
         let help = "write `seed` into each cell, or take one of the two away";
         complaints.push(Complaint::new("cells", "a sheet of `seeds` has no [[cells]]", help));

@@ -7,7 +7,7 @@ use crate::base::encoding::linear_values;
 use crate::base::maths::pow;
 use crate::base::picture::Picture;
 use crate::frame::Frame;
-use crate::raster::Renderer;
+use crate::raster::{Renderer, Wanted};
 use crate::scene::Scene;
 use crate::scene::camera::Subject;
 use crate::scene::image::SAMPLES;
@@ -138,7 +138,7 @@ fn drawn(renderer: &mut Renderer, frame: &Frame, way: Sampling) -> Vec<[f32; 3]>
     let mut frame = frame.clone();
     frame.view.samples = way.samples;
     frame.view.lod_error = way.lod_error();
-    linear(&enlargement::drawn(renderer, &frame, way.enlarged).0)
+    linear(&enlargement::drawn(renderer, &frame, way.enlarged, Wanted::default()).picture)
 }
 
 /// The cheapest way that stays within an error in all frames, and its error; the best of those tried when none does.
