@@ -1,10 +1,13 @@
 //! The texture of a meadow, blades of grass drawn over soil, or of bare soil; wrapping at the rim so that it tiles.
 
+use super::falls;
+use super::sward;
+use super::{Garment, Stand, Stock};
 use crate::base::encoding::SrgbEncoder;
-use crate::base::maths::{cos, mix, sin};
+use crate::base::maths::{cos, mix, sin, smooth_step};
 use crate::base::noise::Fractal;
 use crate::base::random::{Purpose, Stream, hash};
-use crate::frame::{Ground, Instance, Texture};
+use crate::frame::{Ground, Instance, Material, Texture, Wood};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -22,8 +25,52 @@ const HAZE: f64 = 18_000.0;
 /// The ground with its texture's number and what grows on it, in air of a turbidity.
 pub(super) fn ground(texture: u32, cover: Vec<Instance>, turbidity: f64, is_grass: bool) -> Ground {
     let blades = if is_grass { 1.0 } else { 0.0 };
-    Ground { texture, tile: TILE, haze: (HAZE / turbidity) as f32, wood: None, blades, cover }
+    let haze = (HAZE / turbidity) as f32;
+    Ground { texture, tile: TILE, haze, wood: None, blades, dormant: 0.0, feet: Vec::new(), cover }
 }
+
+/// The feet of a stand's trunks, metres.
+pub(super) fn feet(stand: &Stand) -> Vec<[f32; 3]> {
+    let trunks = falls::ground(stand).trunks.into_iter();
+    trunks.map(|trunk| [trunk.place.x as f32, trunk.place.y as f32, trunk.radius as f32]).collect()
+}
+
+/// Share of the leaf sites that are bare, 0..1; trees without any are bare.
+fn bareness(worn: &[Option<Garment>]) -> f32 {
+    let hanging = worn.iter().flatten().count();
+    1.0 - hanging as f32 / worn.len().max(1) as f32
+}
+
+/// How far grass has gone into its winter rest: it bleaches as the trees drop their leaves (judged).
+fn dormancy(worn: &[Option<Garment>]) -> f32 {
+    smooth_step(0.25, 1.0, bareness(worn))
+}
+
+impl Stock {
+    /// The ground as it looks while the trees wear this.
+    pub(super) fn ground_in_season(&self, worn: &[Option<Garment>]) -> Option<Ground> {
+        let ground = self.ground.clone()?;
+        // A few leaves that hang on make no foliage.
+        let is_bare = bareness(worn) >= BARE;
+        let in_season = |wood: Wood| match self.bare_wood {
+            Some([form, crowns]) if is_bare => Wood { form, crowns, is_bare, ..wood },
+            _ => wood,
+        };
+        Some(Ground { wood: ground.wood.map(in_season), dormant: dormancy(worn), ..ground })
+    }
+
+    /// The materials, that of grass in its colours of the season.
+    pub(super) fn materials_in_season(&self, worn: &[Option<Garment>]) -> Vec<Material> {
+        let mut materials = self.materials.clone();
+        for grass in materials.iter_mut().filter(|material| material.name == sward::NAME) {
+            grass.colour = sward::tint(dormancy(worn));
+        }
+        materials
+    }
+}
+
+/// Share of bare leaf sites from which a tree is bare.
+const BARE: f32 = 0.9;
 
 /// Paints the meadow, or bare soil.
 pub(super) fn texture(seed: u64, is_grass: bool) -> Texture {

@@ -9,6 +9,7 @@ mod bark_pattern;
 mod clouds;
 pub mod contact_sheet;
 mod daylight;
+mod distant_tree;
 mod falls;
 mod ground;
 mod hosek_wilkie;
@@ -103,6 +104,8 @@ pub struct Stock {
     flat: BTreeMap<Garment, u32>,
     lying_stalks: BTreeMap<u64, u32>,
     ground: Option<crate::frame::Ground>,
+    /// Numbers of the textures of the bare wood on the horizon.
+    bare_wood: Option<[u32; 2]>,
     /// Number of the texture of clouds.
     clouds: Option<u32>,
     /// Reliefs that textures were made of, and their numbers.
@@ -178,9 +181,11 @@ impl Stock {
         let is_open = scene.image.background == Backdrop::Sky;
         let cover = if is_grass && is_open { self.add_grass(scene, stand) } else { Vec::new() };
         let mut ground = ground::ground(texture, cover, scene.light.turbidity, is_grass);
+        ground.feet = ground::feet(stand);
         if is_open && scene.ground.wood {
-            let [form, crowns] = wood_edge::textures(scene.seed).map(|texture| self.push_texture(texture));
+            let [form, crowns, bare @ ..] = wood_edge::textures(scene.seed).map(|texture| self.push_texture(texture));
             ground.wood = Some(wood_edge::wood(form, crowns));
+            self.bare_wood = Some(bare);
         }
         self.ground = Some(ground);
     }
@@ -188,7 +193,8 @@ impl Stock {
     /// Blades of grass at the trees' feet and before the camera.
     fn add_grass(&mut self, scene: &Scene, stand: &Stand) -> Vec<Instance> {
         let palette = self.push_texture(sward::palette());
-        let material = self.push_material(Material { reflected: Some(palette), ..Material::matte("sward", [1.0; 3]) });
+        let material =
+            self.push_material(Material { reflected: Some(palette), ..Material::matte(sward::NAME, [1.0; 3]) });
         let mut model = |name: &str, mesh: Mesh| {
             let part = Part { material, mesh: self.push_mesh(Arc::new(mesh)) };
             self.models.push(Model { name: name.to_owned(), parts: vec![part] });
@@ -373,14 +379,14 @@ impl Stock {
         Frame {
             meshes: self.meshes.clone(),
             textures: self.textures.clone(),
-            materials: self.materials.clone(),
+            materials: self.materials_in_season(worn),
             models: self.models.clone(),
             instances,
             fallen: 0,
             camera,
             sun: lighting.sun,
             sky: lighting.sky,
-            ground: self.ground.clone(),
+            ground: self.ground_in_season(worn),
             background: view::background(scene),
             view: view::view(scene, lighting.exposure),
         }

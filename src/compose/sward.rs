@@ -1,7 +1,7 @@
 //! Blades of grass about the foot of the tree, so that the trunk stands in the meadow and not on it, and tufts before the
 //! camera. Farther away the ground's texture is enough.
 
-use crate::base::maths::{cos, sin, sincos};
+use crate::base::maths::{cos, mix, sin, sincos};
 use crate::base::mesh::Mesh;
 use crate::base::noise::Fractal;
 use crate::base::random::{Purpose, Stream, hash};
@@ -15,6 +15,13 @@ const CELL: f64 = 0.25;
 const REACH: i32 = 26;
 /// Blades in a cell at the foot.
 const DENSEST: f64 = 60.0;
+/// Name of the material of blades.
+pub(super) const NAME: &str = "sward";
+/// What winter does to the colours of blades: bleached, less green (judged).
+const BLEACHED: [f32; 3] = [1.50, 0.98, 1.65];
+/// Blades in the ring about a trunk's foot that no mower and few feet reach, and how far it goes, metres.
+const RING: u64 = 900;
+const RING_REACH: f64 = 1.1;
 /// Colours of blades, from green to straw (linear sRGB, of the order of measured grass; judged).
 const COLOURS: [[u8; 3]; 8] = [
     [62, 84, 30],
@@ -34,6 +41,11 @@ pub(super) fn palette() -> Texture {
     let shade = |colour: u8, row: u32| (f32::from(colour) * (0.52 + 0.40 * row as f32 / (ROWS - 1) as f32)) as u8;
     let pixels = (0..ROWS).flat_map(|row| COLOURS.map(|c| c.map(|v| shade(v, ROWS - 1 - row)))).collect();
     Texture { name: "sward".to_owned(), width, height: ROWS, pixels, repeat: false }
+}
+
+/// Factor on the colours of blades, for how far grass has gone into its winter rest, 0..1.
+pub(super) fn tint(dormant: f32) -> [f32; 3] {
+    BLEACHED.map(|full| mix(1.0, full, dormant))
 }
 
 /// Least distance between the middles of two swards, metres: nearer trees share one, whose blades reach all of their feet.
@@ -128,7 +140,26 @@ pub(super) fn mesh(seed: u64) -> Mesh {
             sow(&mut mesh, &tufts, seed, [row, column], DENSEST * (1.0 - distance) * (1.0 - distance));
         }
     }
+    ring(&mut mesh, seed);
     mesh
+}
+
+/// Long grass about the trunk's foot, in tufts that grow shorter and fewer outwards.
+fn ring(mesh: &mut Mesh, seed: u64) {
+    const IN_A_TUFT: u64 = 15;
+    for tuft in 0..RING / IN_A_TUFT {
+        let mut random = Stream::new(seed, Purpose::Surroundings, tuft, 3);
+        let out = random.uniform();
+        let (away, turn) = (0.10 + (RING_REACH - 0.10) * out * out.sqrt(), random.range(0.0, TAU));
+        let tall = random.range(0.09, 0.24) * (1.0 - 0.5 * out);
+        let hue = random.uniform();
+        for _ in 0..IN_A_TUFT {
+            let foot = [cos(turn), sin(turn)].map(|side| away * side + 0.05 * random.normal().clamp(-2.0, 2.0));
+            let own = (0.7 * hue + 0.4 * random.uniform()).min(0.999);
+            let height = tall * random.range(0.45, 1.0);
+            blade(mesh, &mut random, foot, [height, own * own, 0.0022]);
+        }
+    }
 }
 
 fn sow(mesh: &mut Mesh, tufts: &Fractal, seed: u64, [row, column]: [i32; 2], count: f64) {
@@ -178,7 +209,7 @@ mod tests {
         let sward = mesh(1);
         assert_eq!(sward.check(), Ok(()));
         assert!((5_000..160_000).contains(&sward.triangles.len()), "{}", sward.triangles.len());
-        assert!(sward.positions.iter().all(|p| (0.0..0.2).contains(&p.y)));
+        assert!(sward.positions.iter().all(|p| (0.0..0.25).contains(&p.y)));
     }
 
     #[test]

@@ -1,0 +1,268 @@
+//! Trees of a distant wood, as few strokes and clumps: a trunk, boughs about it inside the envelope of a form, clumps of leaves
+//! about each bough. The same tree bears the leaves of summer and shows the twigs of winter.
+
+use crate::base::maths::{exp, pow, sin};
+use crate::base::random::{Purpose, Stream};
+use std::f64::consts::{PI, TAU};
+
+/// Turn between successive boughs, radians.
+const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+
+/// How a tree holds its crown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Form {
+    /// Broad and domed: oaks and maples at a wood's edge.
+    Broad,
+    /// Egg-shaped: drawn up between neighbours.
+    Tall,
+    /// Narrow: birches, poplars.
+    Narrow,
+    /// A conifer's spire, green in winter.
+    Spire,
+    /// A bush of the hem.
+    Bush,
+}
+
+/// A tree of the wood.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tree {
+    /// Number that its parts are drawn by.
+    pub number: u64,
+    pub form: Form,
+    /// Where it stands along the edge and how far towards the meadow, metres.
+    pub x: f64,
+    pub depth: f64,
+    /// Metres.
+    pub height: f64,
+    /// Radius of the crown, metres.
+    pub width: f64,
+    /// Share of the height below the crown.
+    pub bole: f64,
+    /// How far the top leans along the edge, metres.
+    pub lean: f64,
+    /// Kind of foliage, 0..1.
+    pub kind: f64,
+    /// Share of light that comes to it between its neighbours, 0..1.
+    pub open: f64,
+}
+
+/// A clump of leaves: a frayed ball.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Clump {
+    pub x: f64,
+    pub y: f64,
+    pub depth: f64,
+    pub radius: f64,
+    /// The part of the crown's normal along the edge and up.
+    pub normal: [f64; 2],
+    /// Kind of foliage, 0..1; -1 for what stays green.
+    pub kind: f64,
+    /// Share of light that comes to it, 0..1.
+    pub light: f64,
+}
+
+/// A piece of wood: a straight stroke, metres.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stroke {
+    pub from: [f64; 2],
+    pub to: [f64; 2],
+    /// At both ends.
+    pub widths: [f64; 2],
+    pub depth: f64,
+    pub kind: f64,
+    pub light: f64,
+}
+
+/// A bough: where it leaves the trunk, its middle, its reach and the share of the crown's height.
+struct Bough {
+    foot: [f64; 2],
+    middle: [f64; 3],
+    reach: f64,
+    up: f64,
+}
+
+impl Form {
+    /// Height over that of the stand, and ranges of the crown's radius over the height.
+    fn proportions(self) -> (f64, [f64; 2]) {
+        match self {
+            Self::Broad => (0.88, [0.30, 0.43]),
+            Self::Tall => (1.08, [0.20, 0.29]),
+            Self::Narrow => (1.02, [0.11, 0.17]),
+            Self::Spire => (1.12, [0.13, 0.20]),
+            Self::Bush => (1.0, [0.5, 0.9]),
+        }
+    }
+
+    /// Radius over the largest at a share of the crown's height.
+    fn girth(self, up: f64) -> f64 {
+        match self {
+            Self::Broad => pow(sin(PI * pow(0.06 + 0.94 * up, 0.72)).max(0.0), 0.55),
+            Self::Tall | Self::Narrow => pow(sin(PI * pow(0.05 + 0.95 * up, 0.66)).max(0.0), 0.75),
+            Self::Spire => pow(1.0 - up, 0.85) * (8.0 * up + 0.35).min(1.0),
+            Self::Bush => (1.0 - up * up).sqrt(),
+        }
+    }
+
+    /// Boughs of a tree and clumps of a bough.
+    fn counts(self) -> (u32, u64) {
+        match self {
+            Self::Broad => (13, 22),
+            Self::Tall => (13, 18),
+            Self::Narrow => (11, 13),
+            Self::Spire => (26, 9),
+            Self::Bush => (3, 7),
+        }
+    }
+}
+
+impl Tree {
+    /// A tree by its number, where it stands, in a stand of a mean height (metres).
+    pub(super) fn new(seed: u64, number: u64, [x, depth]: [f64; 2], stand: f64, form: Form) -> Self {
+        let mut random = Stream::new(seed, Purpose::Surroundings, number, 21);
+        let (share, [slender, stout]) = form.proportions();
+        let height = stand * share * exp(0.15 * random.normal().clamp(-2.0, 2.0));
+        let width = height * random.range(slender, stout);
+        let bole = match form {
+            Form::Bush => 0.0,
+            Form::Spire => random.range(0.03, 0.14),
+            // The meadow's side of an edge is leafy to the ground, but not of every tree.
+            _ => random.range(0.07, 0.30),
+        };
+        let lean = height * 0.07 * random.normal().clamp(-1.8, 1.8);
+        Self { number, form, x, depth, height, width, bole, lean, kind: random.uniform(), open: 1.0 }
+    }
+
+    /// Where the trunk is at a height, along the edge.
+    fn trunk_at(&self, y: f64) -> f64 {
+        self.x + self.lean * (y / self.height) * (y / self.height)
+    }
+
+    /// Diameter of the trunk at its foot, metres.
+    fn diameter(&self) -> f64 {
+        0.014 * self.height + 0.035 * self.width
+    }
+
+    fn boughs(&self, seed: u64) -> impl Iterator<Item = Bough> {
+        let tree = *self;
+        let count = self.form.counts().0;
+        (0..count).map(move |number| {
+            let mut random = Stream::new(seed, Purpose::Surroundings, tree.number, 100 + u64::from(number));
+            let up = ((f64::from(number) + random.uniform()) / f64::from(count)).clamp(0.03, 0.97);
+            let turn = f64::from(number) * GOLDEN_ANGLE + random.range(-0.5, 0.5);
+            let girth = tree.form.girth(up) * tree.width;
+            let bottom = tree.bole * tree.height;
+            let y = bottom + up * (tree.height - bottom);
+            let (out, reach, rise) = match tree.form {
+                Form::Spire => (girth * 0.55, (0.48 * girth).max(0.35), -0.15),
+                Form::Narrow => (girth * random.range(0.2, 0.6), (0.5 * tree.width).max(0.5), 1.3),
+                _ => (girth * random.range(0.30, 0.78), tree.width * random.range(0.24, 0.42), 0.75),
+            };
+            let y = (y - 0.4 * reach).max(0.25 * reach);
+            let foot = (y - out * rise).clamp(0.1 * tree.height, tree.height * 0.95);
+            let middle = [tree.trunk_at(y) + out * sin(turn), y, tree.depth + out * sin(turn + 0.25 * TAU)];
+            Bough { foot: [tree.trunk_at(foot), foot], middle, reach, up }
+        })
+    }
+
+    /// Its leaves.
+    pub(super) fn clumps(&self, seed: u64) -> impl Iterator<Item = Clump> {
+        let tree = *self;
+        self.boughs(seed).enumerate().flat_map(move |(number, bough)| {
+            let own = Stream::new(seed, Purpose::Surroundings, tree.number, 200 + number as u64).range(0.86, 1.14);
+            (0..tree.form.counts().1).map(move |clump| tree.clump(seed, (number as u64, &bough), clump, own))
+        })
+    }
+
+    fn clump(&self, seed: u64, (number, bough): (u64, &Bough), clump: u64, own: f64) -> Clump {
+        let mut random = Stream::new(seed, Purpose::Surroundings, self.number, 1000 + number * 64 + clump);
+        // Leaves are on a bough's upper and outer side.
+        let (up, turn) = (random.range(-0.55, 1.0), random.range(0.0, TAU));
+        let level = (1.0 - up * up).sqrt() * random.range(0.55, 1.0);
+        let squash = if self.form == Form::Spire { 0.35 } else { 0.72 };
+        let step = [level * sin(turn), up, level * sin(turn + 0.25 * TAU)];
+        let x = bough.middle[0] + step[0] * bough.reach;
+        let y = bough.middle[1] + step[1] * bough.reach * squash;
+        let depth = bough.middle[2] + step[2] * bough.reach;
+        let crown = [(x - self.trunk_at(y)) / self.width, 1.3 * bough.up - 0.35];
+        let towards = ((depth - self.depth) / self.width).clamp(-1.0, 1.0);
+        // The crown's top is in the open, its inside and what hangs under a bough are not.
+        let light = (0.34 + 0.66 * pow(bough.up, 0.8)) * (0.74 + 0.26 * towards) * (0.70 + 0.30 * up);
+        Clump {
+            x,
+            y: y.min(self.height),
+            depth,
+            radius: self.clump_radius() * random.range(0.6, 1.35),
+            normal: [0.75 * crown[0] + 0.45 * step[0], 0.60 * crown[1] + 0.45 * step[1]],
+            kind: if self.form == Form::Spire { -1.0 } else { self.kind },
+            light: (light * own * self.open).clamp(0.06, 1.0),
+        }
+    }
+
+    fn clump_radius(&self) -> f64 {
+        match self.form {
+            Form::Spire => 0.16 + 0.014 * self.height,
+            Form::Bush => 0.16 + 0.13 * self.height,
+            _ => 0.30 + 0.022 * self.height,
+        }
+    }
+
+    /// Its trunk and boughs.
+    pub(super) fn wood(&self, seed: u64) -> Vec<Stroke> {
+        let tree = *self;
+        let (kind, light) = (self.kind, self.open);
+        let diameter = self.diameter();
+        let mut strokes = Vec::new();
+        const PIECES: u32 = 6;
+        let at = |piece: u32| f64::from(piece) / f64::from(PIECES) * tree.height * 0.96;
+        let width = |y: f64| (diameter * pow((1.0 - y / tree.height).max(0.0), 0.8)).max(0.02);
+        for piece in 0..PIECES {
+            let (low, high) = (at(piece), at(piece + 1));
+            let [from, to] = [low, high].map(|y| [tree.trunk_at(y), y]);
+            strokes.push(Stroke { from, to, widths: [width(low), width(high)], depth: tree.depth, kind, light });
+        }
+        let limbs = self.boughs(seed).map(|bough| {
+            let to = [bough.middle[0], bough.middle[1]];
+            let start = 0.45 * width(bough.foot[1]);
+            Stroke { from: bough.foot, to, widths: [start.max(0.05), 0.05], depth: bough.middle[2], kind, light }
+        });
+        strokes.extend(limbs);
+        strokes
+    }
+
+    /// Its twigs, which show when it is bare.
+    pub(super) fn twigs(&self, seed: u64) -> impl Iterator<Item = Stroke> {
+        const FAN: u64 = 5;
+        let tree = *self;
+        self.boughs(seed).enumerate().flat_map(move |(number, bough)| {
+            (0..tree.form.counts().1).flat_map(move |clump| {
+                let end = tree.clump(seed, (number as u64, &bough), clump, 1.0);
+                let from = [bough.middle[0], bough.middle[1] - 0.3 * bough.reach];
+                let branch = Stroke {
+                    from,
+                    to: [end.x, end.y],
+                    widths: [0.05, 0.025],
+                    depth: end.depth,
+                    kind: tree.kind,
+                    light: tree.open,
+                };
+                let id = 5000 + (number as u64 * 64 + clump) * 8;
+                let spray = (0..FAN).map(move |twig| {
+                    let mut random = Stream::new(seed, Purpose::Surroundings, tree.number, id + twig);
+                    let along = random.range(0.3, 1.0);
+                    let foot = [0, 1].map(|k| from[k] + (branch.to[k] - from[k]) * along);
+                    let way = [branch.to[0] - from[0], branch.to[1] - from[1]];
+                    let long = libm::hypot(way[0], way[1]).max(0.3);
+                    let length = random.range(0.5, 1.5) * (0.35 + 0.05 * tree.height);
+                    let aside = random.range(-0.9, 0.9);
+                    // Twigs fork off their branch and turn up to the light.
+                    let to = [
+                        foot[0] + (way[0] / long - aside * way[1] / long) * length * 0.8,
+                        foot[1] + (way[1] / long + aside * way[0] / long) * length * 0.8 + 0.3 * length,
+                    ];
+                    Stroke { from: foot, to, widths: [0.022, 0.008], ..branch }
+                });
+                std::iter::once(branch).chain(spray)
+            })
+        })
+    }
+}
