@@ -88,7 +88,7 @@ impl Form {
             Self::Broad => (0.88, [0.30, 0.43]),
             Self::Tall => (1.08, [0.20, 0.29]),
             Self::Narrow => (1.02, [0.11, 0.17]),
-            Self::Spire => (1.12, [0.13, 0.20]),
+            Self::Spire => (1.12, [0.15, 0.22]),
             Self::Bush => (1.0, [0.5, 0.9]),
         }
     }
@@ -106,11 +106,11 @@ impl Form {
     /// Boughs of a tree and clumps of a bough.
     fn counts(self) -> (u32, u64) {
         match self {
-            Self::Broad => (13, 22),
-            Self::Tall => (13, 18),
-            Self::Narrow => (11, 13),
-            Self::Spire => (26, 9),
-            Self::Bush => (3, 7),
+            Self::Broad => (34, 10),
+            Self::Tall => (32, 9),
+            Self::Narrow => (24, 7),
+            Self::Spire => (46, 11),
+            Self::Bush => (4, 7),
         }
     }
 }
@@ -153,9 +153,12 @@ impl Tree {
             let bottom = tree.bole * tree.height;
             let y = bottom + up * (tree.height - bottom);
             let (out, reach, rise) = match tree.form {
-                Form::Spire => (girth * 0.55, (0.48 * girth).max(0.35), -0.15),
+                Form::Spire => (girth * 0.42, (0.58 * girth * random.range(0.8, 1.15)).max(0.25), -0.1),
                 Form::Narrow => (girth * random.range(0.2, 0.6), (0.5 * tree.width).max(0.5), 1.3),
-                _ => (girth * random.range(0.30, 0.78), tree.width * random.range(0.24, 0.42), 0.75),
+                _ => {
+                    let reach = tree.width * random.range(0.16, 0.34) * (0.4 + 0.6 * girth / tree.width);
+                    (girth * random.range(0.15, 0.92), reach, 0.75)
+                }
             };
             let y = (y - 0.4 * reach).max(0.25 * reach);
             let foot = (y - out * rise).clamp(0.1 * tree.height, tree.height * 0.95);
@@ -168,20 +171,20 @@ impl Tree {
     pub(super) fn clumps(&self, seed: u64) -> impl Iterator<Item = Clump> {
         let tree = *self;
         self.boughs(seed).enumerate().flat_map(move |(number, bough)| {
-            let own = Stream::new(seed, Purpose::Surroundings, tree.number, 200 + number as u64).range(0.86, 1.14);
-            (0..tree.form.counts().1).map(move |clump| tree.clump(seed, (number as u64, &bough), clump, own))
+            let mut random = Stream::new(seed, Purpose::Surroundings, tree.number, 200 + number as u64);
+            let own = random.range(0.86, 1.14);
+            (0..tree.form.counts().1).map(move |_| tree.clump(&bough, own, &mut random))
         })
     }
 
-    fn clump(&self, seed: u64, (number, bough): (u64, &Bough), clump: u64, own: f64) -> Clump {
-        let mut random = Stream::new(seed, Purpose::Surroundings, self.number, 1000 + number * 64 + clump);
+    fn clump(&self, bough: &Bough, own: f64, random: &mut Stream) -> Clump {
         // Leaves are on a bough's upper and outer side.
         let (up, turn) = (random.range(-0.55, 1.0), random.range(0.0, TAU));
-        let level = (1.0 - up * up).sqrt() * random.range(0.55, 1.0);
-        let squash = if self.form == Form::Spire { 0.35 } else { 0.72 };
+        let level = (1.0 - up * up).sqrt() * random.range(0.3, 1.35);
+        let squash = if self.form == Form::Spire { 0.30 } else { 0.66 };
         let step = [level * sin(turn), up, level * sin(turn + 0.25 * TAU)];
         let x = bough.middle[0] + step[0] * bough.reach;
-        let y = bough.middle[1] + step[1] * bough.reach * squash;
+        let y = bough.middle[1] + step[1] * bough.reach * squash * random.range(0.6, 1.3);
         let depth = bough.middle[2] + step[2] * bough.reach;
         let crown = [(x - self.trunk_at(y)) / self.width, 1.3 * bough.up - 0.35];
         let towards = ((depth - self.depth) / self.width).clamp(-1.0, 1.0);
@@ -191,18 +194,18 @@ impl Tree {
             x,
             y: y.min(self.height),
             depth,
-            radius: self.clump_radius() * random.range(0.6, 1.35),
-            normal: [0.75 * crown[0] + 0.45 * step[0], 0.60 * crown[1] + 0.45 * step[1]],
+            radius: self.clump_radius() * random.range(0.5, 1.25),
+            normal: [0.72 * crown[0] + 0.26 * step[0], 0.55 * crown[1] + 0.18 + 0.32 * step[1]],
             kind: if self.form == Form::Spire { -1.0 } else { self.kind },
-            light: (light * own * self.open).clamp(0.06, 1.0),
+            light: (light * own * self.open * random.range(0.78, 1.22)).clamp(0.06, 1.0),
         }
     }
 
     fn clump_radius(&self) -> f64 {
         match self.form {
-            Form::Spire => 0.16 + 0.014 * self.height,
+            Form::Spire => 0.14 + 0.011 * self.height,
             Form::Bush => 0.16 + 0.13 * self.height,
-            _ => 0.30 + 0.022 * self.height,
+            _ => 0.24 + 0.017 * self.height,
         }
     }
 
@@ -231,38 +234,42 @@ impl Tree {
 
     /// Its twigs, which show when it is bare.
     pub(super) fn twigs(&self, seed: u64) -> impl Iterator<Item = Stroke> {
-        const FAN: u64 = 5;
         let tree = *self;
         self.boughs(seed).enumerate().flat_map(move |(number, bough)| {
-            (0..tree.form.counts().1).flat_map(move |clump| {
-                let end = tree.clump(seed, (number as u64, &bough), clump, 1.0);
-                let from = [bough.middle[0], bough.middle[1] - 0.3 * bough.reach];
-                let branch = Stroke {
-                    from,
-                    to: [end.x, end.y],
-                    widths: [0.05, 0.025],
-                    depth: end.depth,
-                    kind: tree.kind,
-                    light: tree.open,
-                };
-                let id = 5000 + (number as u64 * 64 + clump) * 8;
-                let spray = (0..FAN).map(move |twig| {
-                    let mut random = Stream::new(seed, Purpose::Surroundings, tree.number, id + twig);
-                    let along = random.range(0.3, 1.0);
-                    let foot = [0, 1].map(|k| from[k] + (branch.to[k] - from[k]) * along);
-                    let way = [branch.to[0] - from[0], branch.to[1] - from[1]];
-                    let long = libm::hypot(way[0], way[1]).max(0.3);
-                    let length = random.range(0.5, 1.5) * (0.35 + 0.05 * tree.height);
-                    let aside = random.range(-0.9, 0.9);
-                    // Twigs fork off their branch and turn up to the light.
-                    let to = [
-                        foot[0] + (way[0] / long - aside * way[1] / long) * length * 0.8,
-                        foot[1] + (way[1] / long + aside * way[0] / long) * length * 0.8 + 0.3 * length,
-                    ];
-                    Stroke { from: foot, to, widths: [0.022, 0.008], ..branch }
-                });
-                std::iter::once(branch).chain(spray)
-            })
+            let mut random = Stream::new(seed, Purpose::Surroundings, tree.number, 200 + number as u64);
+            let own = random.range(0.86, 1.14);
+            let mut strokes = Vec::new();
+            for _ in 0..tree.form.counts().1 {
+                let end = tree.clump(&bough, own, &mut random);
+                tree.spray(&bough, &end, &mut random, &mut strokes);
+            }
+            strokes
         })
     }
+
+    /// A branch from a bough to where a clump of leaves would be, with the twigs on it.
+    fn spray(&self, bough: &Bough, end: &Clump, random: &mut Stream, strokes: &mut Vec<Stroke>) {
+        let leaves_at = random.range(0.35, 1.0);
+        let from = [0, 1].map(|k| between(bough.foot[k], bough.middle[k], leaves_at));
+        let (kind, light) = (self.kind, self.open);
+        let branch = Stroke { from, to: [end.x, end.y], widths: [0.05, 0.02], depth: end.depth, kind, light };
+        let way = [branch.to[0] - from[0], branch.to[1] - from[1]];
+        let long = (way[0] * way[0] + way[1] * way[1]).sqrt().max(0.3);
+        for _ in 0..2 {
+            let along = random.range(0.35, 1.0);
+            let foot = [0, 1].map(|k| between(from[k], branch.to[k], along));
+            let (length, aside) = (random.range(0.4, 1.2) * (0.3 + 0.05 * self.height), random.range(-0.6, 0.6));
+            // Twigs fork off their branch and turn up to the light.
+            let to = [
+                foot[0] + (way[0] - aside * way[1]) / long * length * 0.75,
+                foot[1] + (way[1] + aside * way[0]) / long * length * 0.75 + 0.35 * length,
+            ];
+            strokes.push(Stroke { from: foot, to, widths: [0.036, 0.014], ..branch });
+        }
+        strokes.push(branch);
+    }
+}
+
+fn between(a: f64, b: f64, t: f64) -> f64 {
+    a + (b - a) * t
 }

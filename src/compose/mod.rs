@@ -104,8 +104,8 @@ pub struct Stock {
     flat: BTreeMap<Garment, u32>,
     lying_stalks: BTreeMap<u64, u32>,
     ground: Option<crate::frame::Ground>,
-    /// Numbers of the textures of the bare wood on the horizon.
-    bare_wood: Option<[u32; 2]>,
+    /// The wood on the horizon.
+    wood_edge: Option<wood_edge::Edge>,
     /// Number of the texture of clouds.
     clouds: Option<u32>,
     /// Reliefs that textures were made of, and their numbers.
@@ -183,9 +183,9 @@ impl Stock {
         let mut ground = ground::ground(texture, cover, scene.light.turbidity, is_grass);
         ground.feet = ground::feet(stand);
         if is_open && scene.ground.wood {
-            let [form, crowns, bare @ ..] = wood_edge::textures(scene.seed).map(|texture| self.push_texture(texture));
-            ground.wood = Some(wood_edge::wood(form, crowns));
-            self.bare_wood = Some(bare);
+            let slots = ["wood_form", "wood_crowns"].map(|name| self.push_texture(wood_edge::placeholder(name)));
+            ground.wood = Some(wood_edge::wood(slots[0], slots[1]));
+            self.wood_edge = Some(wood_edge::Edge::new(scene.seed, slots));
         }
         self.ground = Some(ground);
     }
@@ -378,7 +378,7 @@ impl Stock {
         }
         Frame {
             meshes: self.meshes.clone(),
-            textures: self.textures.clone(),
+            textures: self.textures_in_season(worn),
             materials: self.materials_in_season(worn),
             models: self.models.clone(),
             instances,

@@ -18,10 +18,10 @@ const DENSEST: f64 = 60.0;
 /// Name of the material of blades.
 pub(super) const NAME: &str = "sward";
 /// What winter does to the colours of blades: bleached, less green (judged).
-const BLEACHED: [f32; 3] = [1.50, 0.98, 1.65];
+const BLEACHED: [f32; 3] = [1.42, 0.97, 1.75];
 /// Blades in the ring about a trunk's foot that no mower and few feet reach, and how far it goes, metres.
-const RING: u64 = 900;
-const RING_REACH: f64 = 1.1;
+const RING: u64 = 2100;
+const RING_REACH: f64 = 0.85;
 /// Colours of blades, from green to straw (linear sRGB, of the order of measured grass; judged).
 const COLOURS: [[u8; 3]; 8] = [
     [62, 84, 30],
@@ -151,13 +151,13 @@ fn ring(mesh: &mut Mesh, seed: u64) {
         let mut random = Stream::new(seed, Purpose::Surroundings, tuft, 3);
         let out = random.uniform();
         let (away, turn) = (0.10 + (RING_REACH - 0.10) * out * out.sqrt(), random.range(0.0, TAU));
-        let tall = random.range(0.09, 0.24) * (1.0 - 0.5 * out);
+        let tall = random.range(0.12, 0.30) * (1.0 - 0.55 * out);
         let hue = random.uniform();
         for _ in 0..IN_A_TUFT {
             let foot = [cos(turn), sin(turn)].map(|side| away * side + 0.05 * random.normal().clamp(-2.0, 2.0));
             let own = (0.7 * hue + 0.4 * random.uniform()).min(0.999);
             let height = tall * random.range(0.45, 1.0);
-            blade(mesh, &mut random, foot, [height, own * own, 0.0022]);
+            blade(mesh, &mut random, foot, [height, own * own, 0.0032]);
         }
     }
 }
@@ -209,7 +209,7 @@ mod tests {
         let sward = mesh(1);
         assert_eq!(sward.check(), Ok(()));
         assert!((5_000..160_000).contains(&sward.triangles.len()), "{}", sward.triangles.len());
-        assert!(sward.positions.iter().all(|p| (0.0..0.25).contains(&p.y)));
+        assert!(sward.positions.iter().all(|p| (0.0..0.31).contains(&p.y)));
     }
 
     #[test]

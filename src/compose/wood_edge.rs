@@ -6,8 +6,8 @@ use crate::base::maths::{exp, sin};
 use crate::base::noise::Lattice;
 use crate::base::random::{Purpose, Stream, hash, hash_unit};
 use crate::frame::{Texture, Wood};
-use rayon::prelude::*;
 use std::f64::consts::TAU;
+use std::sync::{Arc, OnceLock};
 
 /// Pixels along and up.
 const WIDTH: usize = 2048;
@@ -20,16 +20,13 @@ const LENGTH: f64 = WIDTH as f64 * PIXEL;
 const DISTANCE: f64 = LENGTH * REPEATS as f64 / TAU;
 const REPEATS: u32 = 12;
 /// Rows of trees behind one another, their distance in metres, and metres of edge a tree of a row.
-const ROWS: u64 = 3;
+const ROWS: u64 = 4;
 const ROW_DEPTH: f64 = 6.0;
-const SPACING: f64 = 6.2;
+const SPACING: f64 = 5.2;
 /// Metres of edge a bush of the hem.
 const BUSHES: f64 = 1.9;
 /// Stems that stand deeper in the wood, seen where it is bare.
 const STEMS: u64 = 420;
-/// Columns that are drawn together.
-const STRIP: usize = 128;
-
 /// What a pixel shows.
 #[derive(Clone, Copy)]
 struct Texel {
@@ -43,43 +40,59 @@ struct Texel {
     covered: f64,
 }
 
-/// The columns of one strip of the edge.
-struct Strip {
-    first: usize,
+/// The edge while it is drawn.
+struct Canvas {
     texels: Vec<Texel>,
     seed: u64,
 }
 
-/// The edge with the numbers of its textures in leaf.
+/// The textures of form and of crowns, each painted when a frame first shows it.
+#[derive(Default)]
+pub(super) struct Edge {
+    /// Numbers that they have in a frame.
+    slots: [u32; 2],
+    seed: u64,
+    in_leaf: OnceLock<[Arc<Texture>; 2]>,
+    bare: OnceLock<[Arc<Texture>; 2]>,
+}
+
+impl Edge {
+    /// The edge whose textures are to have these numbers.
+    pub(super) fn new(seed: u64, slots: [u32; 2]) -> Self {
+        Self { slots, seed, ..Self::default() }
+    }
+
+    /// Puts the textures of a season where they belong.
+    pub(super) fn put(&self, is_bare: bool, textures: &mut [Arc<Texture>]) {
+        let known = if is_bare { &self.bare } else { &self.in_leaf };
+        let season = known.get_or_init(|| painted(self.seed, is_bare).map(Arc::new));
+        for (slot, texture) in self.slots.iter().zip(season) {
+            textures[*slot as usize] = texture.clone();
+        }
+    }
+}
+
+/// A texture that stands where one will be put.
+pub(super) fn placeholder(name: &str) -> Texture {
+    Texture { name: name.to_owned(), width: 1, height: 1, pixels: vec![[0; 3]], repeat: true }
+}
+
+/// The edge with the numbers of its textures.
 pub(super) fn wood(form: u32, crowns: u32) -> Wood {
     let height = (HEIGHT as f64 * PIXEL) as f32;
     Wood { form, crowns, distance: DISTANCE as f32, height, repeats: REPEATS, is_bare: false }
 }
 
-/// The textures of form and of crowns, in leaf and bare.
-pub(super) fn textures(seed: u64) -> [Texture; 4] {
+/// The textures of form and of crowns.
+fn painted(seed: u64, is_bare: bool) -> [Texture; 2] {
     let trees = stand(seed);
-    let in_leaf = painted(|first| in_leaf(seed, first, &trees));
-    let bare = painted(|first| bare(seed, first, &trees));
-    let [form, crowns] = encoded(&in_leaf, "wood");
-    let [bare_form, bare_crowns] = encoded(&bare, "bare_wood");
-    [form, crowns, bare_form, bare_crowns]
-}
-
-fn painted(strip: impl Fn(usize) -> Strip + Sync) -> Vec<Texel> {
-    let strips: Vec<Strip> = (0..WIDTH / STRIP).into_par_iter().map(|number| strip(number * STRIP)).collect();
-    (0..WIDTH * HEIGHT)
-        .map(|place| strips[place % WIDTH / STRIP].texels[place / WIDTH * STRIP + place % STRIP])
-        .collect()
-}
-
-fn encoded(texels: &[Texel], name: &str) -> [Texture; 2] {
+    let canvas = if is_bare { bare(seed, &trees) } else { in_leaf(seed, &trees) };
     let code = |value: f64| (128.0 + 127.0 * value.clamp(-1.0, 1.0)) as u8;
     let of = |part: &str, values: &dyn Fn(&Texel) -> [f64; 3]| Texture {
-        name: format!("{name}_{part}"),
+        name: format!("wood_{part}"),
         width: WIDTH as u32,
         height: HEIGHT as u32,
-        pixels: texels.iter().map(|texel| values(texel).map(code)).collect(),
+        pixels: canvas.texels.iter().map(|texel| values(texel).map(code)).collect(),
         repeat: true,
     };
     [
@@ -99,7 +112,7 @@ fn stand(seed: u64) -> Vec<Tree> {
         // Stands of tall and of low trees follow one another, with a gap here and there; the rows behind are taller.
         let wave = |times: f64, turn: f64| sin(x * TAU / LENGTH * times + turn);
         let tall = 0.5 + 0.26 * wave(2.0, 1.0) + 0.24 * wave(5.0, 0.3) + 0.14 * wave(11.0, 2.0);
-        let mean = 7.5 + 7.0 * tall + 1.4 * row as f64;
+        let mean = 8.0 + 7.5 * tall + 1.3 * row as f64;
         let evergreen = f64::from(conifers.value((x / LENGTH * 9.0) as f32, 0.5));
         let form = match random.uniform() + 0.75 * (evergreen - 0.78).max(0.0) * 4.0 {
             lot if lot > 0.95 => Form::Spire,
@@ -108,7 +121,7 @@ fn stand(seed: u64) -> Vec<Tree> {
             _ => Form::Broad,
         };
         let depth = -(row as f64) * ROW_DEPTH - random.range(0.0, 3.5);
-        let open = [1.0, 0.86, 0.72][row as usize];
+        let open = [1.0, 0.88, 0.76, 0.66][row as usize];
         Tree { open, ..Tree::new(seed, number, [x, depth], mean, form) }
     };
     let bush = |number: u64| {
@@ -122,56 +135,57 @@ fn stand(seed: u64) -> Vec<Tree> {
     (0..ROWS * in_row).map(tree).chain((0..(LENGTH / BUSHES) as u64).map(bush)).collect()
 }
 
-/// A strip of the edge in leaf.
-fn in_leaf(seed: u64, first: usize, trees: &[Tree]) -> Strip {
-    let mut strip = Strip::new(seed, first);
+/// The edge in leaf.
+fn in_leaf(seed: u64, trees: &[Tree]) -> Canvas {
+    let mut canvas = Canvas::new(seed);
     // The dark between the stems: no sky shows there.
     let gloom = Lattice::periodic(hash(seed, 52), [64, 0]);
-    strip.fill(|x, y| {
+    canvas.fill(|x, y| {
         let top = 1.9 + 4.0 * f64::from(gloom.value((x / LENGTH * 64.0) as f32, 0.5));
         (y < top).then_some(Texel { light: 0.05 + 0.02 * y / top, covered: 1.0, kind: 0.5, ..EMPTY })
     });
-    for tree in trees.iter().filter(|tree| Strip::may_show(first, tree)) {
+    // The nearest first: what they hide need not be drawn.
+    for tree in trees.iter().rev() {
         if tree.form != Form::Bush {
             for stroke in tree.wood(seed) {
                 // Below its crown a trunk stands in the wood's shade.
-                strip.stroke(&Stroke { light: 0.40 * stroke.light, ..stroke }, true);
+                canvas.stroke(&Stroke { light: 0.40 * stroke.light, ..stroke }, true);
             }
         }
         for clump in tree.clumps(seed) {
-            strip.clump(&clump);
+            canvas.clump(&clump);
         }
     }
-    strip
+    canvas
 }
 
-/// A strip of the bare edge: stems, twigs and what stays green.
-fn bare(seed: u64, first: usize, trees: &[Tree]) -> Strip {
-    let mut strip = Strip::new(seed, first);
+/// The bare edge: stems, twigs and what stays green.
+fn bare(seed: u64, trees: &[Tree]) -> Canvas {
+    let mut canvas = Canvas::new(seed);
     let streaks = Lattice::periodic(hash(seed, 53), [512, 0]);
     // Deep in the wood stems and twigs are too many to be told apart.
-    strip.fill(|x, y| {
+    canvas.fill(|x, y| {
         let streak = f64::from(streaks.value((x / LENGTH * 512.0) as f32, (y * 0.25) as f32));
         let covered =
             (0.94 * exp(-(y / 5.5) * (y / 5.5)) + 0.34 * exp(-(y / 11.0) * (y / 11.0))) * (0.72 + 0.4 * streak);
         Some(Texel { covered: covered.min(0.96), light: 0.42 + 0.16 * streak, kind: streak, thin: -1.0, ..EMPTY })
     });
     for stem in (0..STEMS).map(|number| stem(seed, number)) {
-        strip.stroke(&stem, false);
+        canvas.stroke(&stem, false);
     }
-    for tree in trees.iter().filter(|tree| Strip::may_show(first, tree)) {
+    for tree in trees {
         if tree.form == Form::Spire {
             for clump in tree.clumps(seed) {
-                strip.clump(&clump);
+                canvas.clump(&clump);
             }
             continue;
         }
         let strokes = if tree.form == Form::Bush { Vec::new() } else { tree.wood(seed) };
         for stroke in tree.twigs(seed).chain(strokes) {
-            strip.stroke(&stroke, false);
+            canvas.stroke(&stroke, false);
         }
     }
-    strip
+    canvas
 }
 
 fn stem(seed: u64, number: u64) -> Stroke {
@@ -187,24 +201,22 @@ fn stem(seed: u64, number: u64) -> Stroke {
 /// A pixel that shows what is behind the wood.
 const EMPTY: Texel = Texel { depth: -1e3, normal: [0.0, 0.1], kind: 0.5, light: 0.3, thin: 0.0, covered: 0.0 };
 
-impl Strip {
-    fn new(seed: u64, first: usize) -> Self {
-        Self { first, texels: vec![EMPTY; STRIP * HEIGHT], seed }
+impl Canvas {
+    fn new(seed: u64) -> Self {
+        Self { texels: vec![EMPTY; WIDTH * HEIGHT], seed }
     }
 
     fn fill(&mut self, texel: impl Fn(f64, f64) -> Option<Texel>) {
         for place in 0..self.texels.len() {
-            let (x, y) = (self.first + place % STRIP, HEIGHT - 1 - place / STRIP);
+            let (x, y) = (place % WIDTH, HEIGHT - 1 - place / WIDTH);
             if let Some(found) = texel((x as f64 + 0.5) * PIXEL, (y as f64 + 0.5) * PIXEL) {
                 self.texels[place] = found;
             }
         }
     }
 
-    /// Whether a tree may reach into the strip.
-    fn may_show(first: usize, tree: &Tree) -> bool {
-        let reach = 2.0 * tree.width + tree.lean.abs() + 2.5;
-        !columns(first, tree.x - reach, tree.x + reach).is_empty()
+    fn columns(left: f64, right: f64) -> std::ops::Range<i64> {
+        (left / PIXEL).floor() as i64..(right / PIXEL).floor() as i64 + 1
     }
 
     fn rows(low: f64, high: f64) -> std::ops::Range<i64> {
@@ -215,7 +227,7 @@ impl Strip {
     /// Draws a clump where nothing stands before it; leaves fray its rim.
     fn clump(&mut self, clump: &Clump) {
         let Clump { x, y, radius, .. } = *clump;
-        for column in columns(self.first, x - radius, x + radius) {
+        for column in Self::columns(x - radius, x + radius) {
             for row in Self::rows(y - radius, y + radius) {
                 let across = ((column as f64 + 0.5) * PIXEL - x) / radius;
                 let up = ((row as f64 + 0.5) * PIXEL - y) / radius;
@@ -226,25 +238,28 @@ impl Strip {
 
     fn leaves(&mut self, clump: &Clump, [column, row]: [i64; 2], [across, up]: [f64; 2]) {
         let column = column.rem_euclid(WIDTH as i64) as usize;
+        let texel = &mut self.texels[(HEIGHT - 1 - row as usize) * WIDTH + column];
+        if texel.depth >= clump.depth + clump.radius + 0.25 {
+            return;
+        }
         let bits = hash(self.seed ^ clump.radius.to_bits(), (row as u64) << 32 | column as u64);
         let noise = |shift: u32| (bits >> shift & 0xffff) as f64 / 65536.0;
         let distance = across * across + up * up;
         // Towards the rim leaves stand apart.
-        if distance + 0.75 * (noise(0) - 0.35) >= 0.92 {
+        if distance + 1.1 * (noise(0) - 0.35) >= 0.92 {
             return;
         }
         let depth = clump.depth + clump.radius * (1.0 - distance).max(0.0).sqrt() + 0.5 * (noise(16) - 0.5);
-        let texel = &mut self.texels[(HEIGHT - 1 - row as usize) * STRIP + column - self.first];
         if texel.depth >= depth {
             return;
         }
-        let turned = |own: f64, place: f64, noise: f64| own + 0.28 * place + 0.8 * (noise - 0.5);
+        let turned = |own: f64, place: f64, noise: f64| own + 0.18 * place + 0.9 * (noise - 0.5);
         *texel = Texel {
             depth,
             normal: [turned(clump.normal[0], across, noise(16)), turned(clump.normal[1], up, noise(32))],
             kind: clump.kind,
             // Between leaves one looks into the shade.
-            light: clump.light * (0.86 + 0.14 * up) * (0.52 + 0.75 * noise(48).sqrt()),
+            light: clump.light * (0.86 + 0.14 * up) * (0.38 + 0.92 * noise(48).sqrt()),
             thin: distance.clamp(0.0, 1.0),
             covered: 1.0,
         };
@@ -256,12 +271,21 @@ impl Strip {
         let way = [to[0] - from[0], to[1] - from[1]];
         let squared = (way[0] * way[0] + way[1] * way[1]).max(1e-6);
         let reach = 0.5 * widths[0].max(widths[1]) + PIXEL;
-        let columns = columns(self.first, from[0].min(to[0]) - reach, from[0].max(to[0]) + reach);
-        for column in columns {
-            for row in Self::rows(from[1].min(to[1]) - reach, from[1].max(to[1]) + reach) {
+        let is_steep = way[1].abs() > way[0].abs();
+        // Steps along the longer way, and across it only as far as the stroke is wide.
+        let (main, other) = if is_steep { (1, 0) } else { (0, 1) };
+        let [low, high] = [from[main].min(to[main]) - reach, from[main].max(to[main]) + reach];
+        for step in if is_steep { Self::rows(low, high) } else { Self::columns(low, high) } {
+            let at = (step as f64 + 0.5) * PIXEL - from[main];
+            let middle =
+                from[other] + way[other] * (at / way[main].abs().max(1e-6) * way[main].signum()).clamp(0.0, 1.0);
+            let (low, high) = (middle - 1.5 * reach, middle + 1.5 * reach);
+            for aside in if is_steep { Self::columns(low, high) } else { Self::rows(low, high) } {
+                let [column, row] = if is_steep { [aside, step] } else { [step, aside] };
                 let place = [(column as f64 + 0.5) * PIXEL - from[0], (row as f64 + 0.5) * PIXEL - from[1]];
                 let along = ((place[0] * way[0] + place[1] * way[1]) / squared).clamp(0.0, 1.0);
-                let off = libm::hypot(place[0] - along * way[0], place[1] - along * way[1]);
+                let off = [place[0] - along * way[0], place[1] - along * way[1]];
+                let off = (off[0] * off[0] + off[1] * off[1]).sqrt();
                 let width = between(widths[0], widths[1], along);
                 // A box of a pixel's width over a bar.
                 let share = ((0.5 * (width + PIXEL) - off) / PIXEL).clamp(0.0, 1.0).min(width / PIXEL);
@@ -274,7 +298,7 @@ impl Strip {
 
     fn wood(&mut self, stroke: &Stroke, [column, row]: [i64; 2], share: f64, is_solid: bool) {
         let column = column.rem_euclid(WIDTH as i64) as usize;
-        let texel = &mut self.texels[(HEIGHT - 1 - row as usize) * STRIP + column - self.first];
+        let texel = &mut self.texels[(HEIGHT - 1 - row as usize) * WIDTH + column];
         let bark = 0.8 + 0.4 * f64::from(hash_unit(self.seed, (row as u64 / 3) << 32 | column as u64));
         let light = stroke.light * bark;
         if is_solid {
@@ -298,15 +322,6 @@ impl Strip {
     }
 }
 
-/// The columns of the strip that begins at `first` between two places along the edge, which wraps: numbers that may lie a turn aside.
-fn columns(first: usize, left: f64, right: f64) -> std::ops::Range<i64> {
-    let [left, right] = [left, right].map(|x| (x / PIXEL).floor() as i64);
-    let (first, width) = (first as i64, WIDTH as i64);
-    let turn = (left - first - STRIP as i64).div_euclid(width) + 1;
-    let first = first + turn * width;
-    left.max(first)..(right + 1).min(first + STRIP as i64)
-}
-
 fn between(a: f64, b: f64, t: f64) -> f64 {
     a + (b - a) * t
 }
@@ -317,8 +332,8 @@ mod tests {
 
     #[test]
     fn the_edge_is_closed_below_and_open_above_and_wraps() {
-        for textures in textures(1).chunks(2) {
-            let [form, crowns] = textures else { panic!("pairs") };
+        for is_bare in [false, true] {
+            let [form, crowns] = painted(1, is_bare);
             assert_eq!((form.pixels.len(), crowns.pixels.len()), (WIDTH * HEIGHT, WIDTH * HEIGHT));
             let covered = |row: usize| {
                 let line = &form.pixels[row * WIDTH..(row + 1) * WIDTH];
@@ -335,7 +350,7 @@ mod tests {
 
     #[test]
     fn bare_trees_let_the_sky_through_where_leaves_close_it() {
-        let [in_leaf, _, bare, _] = textures(2);
+        let [[in_leaf, _], [bare, _]] = [false, true].map(|is_bare| painted(2, is_bare));
         let mean = |texture: &Texture| {
             let rows = HEIGHT / 2..HEIGHT * 3 / 4;
             let texels = &texture.pixels[rows.start * WIDTH..rows.end * WIDTH];
@@ -345,17 +360,19 @@ mod tests {
     }
 
     #[test]
-    fn strips_join() {
-        // A clump over the border of two strips, and over the texture's rim, is drawn whole.
-        for x in [STRIP as f64 * PIXEL, 0.0, LENGTH] {
-            let clump = Clump { x, y: 5.0, depth: 0.0, radius: 1.0, normal: [0.0; 2], kind: 0.5, light: 1.0 };
-            let texels = painted(|first| {
-                let mut strip = Strip::new(1, first);
-                strip.clump(&clump);
-                strip
-            });
-            let drawn = texels.iter().filter(|texel| texel.covered > 0.0).count() as f64 * PIXEL * PIXEL;
-            assert!((2.0..3.6).contains(&drawn), "{x}: {drawn}");
+    fn what_reaches_over_the_rim_comes_in_on_the_other_side() {
+        for x in [0.5 * LENGTH, 0.0, LENGTH] {
+            let mut canvas = Canvas::new(1);
+            canvas.clump(&Clump { x, y: 5.0, depth: 0.0, radius: 1.0, normal: [0.0; 2], kind: 0.5, light: 1.0 });
+            let area = |canvas: &Canvas| canvas.texels.iter().map(|texel| texel.covered).sum::<f64>() * PIXEL * PIXEL;
+            assert!((1.8..3.6).contains(&area(&canvas)), "{x}: {}", area(&canvas));
+            // A bar thinner than a pixel covers its own area.
+            let mut canvas = Canvas::new(1);
+            let (from, to) = ([x - 2.0, 3.0], [x + 2.0, 4.5]);
+            let bar = Stroke { from, to, widths: [0.04; 2], depth: 0.0, kind: 0.5, light: 1.0 };
+            canvas.stroke(&bar, false);
+            let expected = 0.04 * libm::hypot(4.0, 1.5);
+            assert!((area(&canvas) / expected - 1.0).abs() < 0.4, "{x}: {} {expected}", area(&canvas));
         }
     }
 

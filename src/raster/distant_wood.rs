@@ -19,7 +19,7 @@ const FAR: f32 = 3.4;
 const HILLS: f32 = 34.0;
 /// Share of a leaf's reflectance that a crown has: light is caught between its leaves (judged; canopies reflect 0.03 to 0.06
 /// of green light where leaves reflect 0.1).
-const CAUGHT: f32 = 0.72;
+const CAUGHT: f32 = 1.0;
 /// How much of a distant crown's colour is that of all leaves of the frame, the rest that of one state.
 const SHARED: f32 = 0.55;
 /// Heights that the meadow's tall grass hides of the wood's foot, metres, and how often they come around the horizon: the rise
@@ -34,7 +34,7 @@ const LOWEST: f32 = 0.74;
 /// Reflectances of bare crowns (linear, judged).
 const BARE: [[f32; 3]; 2] = [[0.118, 0.100, 0.090], [0.165, 0.130, 0.102]];
 /// Reflectance of conifers' crowns, and of bark (linear, judged).
-const EVERGREEN: [f32; 3] = [0.026, 0.044, 0.021];
+const EVERGREEN: [f32; 3] = [0.050, 0.058, 0.026];
 const BARK: [f32; 3] = [0.135, 0.118, 0.100];
 /// Tints of the kinds of trees, on the frame's own foliage.
 const TINTS: [[f32; 3]; 3] = [[0.82, 0.90, 0.84], [1.04, 1.00, 0.92], [1.30, 1.16, 0.86]];
@@ -162,12 +162,17 @@ impl Prepared<'_> {
     fn row(&self, wood: &Wood, look: &Look, [distance, times, ground]: [f32; 3]) -> (f32, [f32; 3]) {
         let (is_far, blur) = (ground > 0.0, look.pixel * distance);
         let height = self.projection.eye.y + look.slope * distance - ground;
+        // Above all crowns there is nothing to look for; below, rising ground goes on.
+        if height > wood.height || (height < 0.0 && !is_far) {
+            return (0.0, [0.0; 3]);
+        }
         let free = if is_far { 1.0 } else { self.above_hem(look.around, height, blur) };
         let varied = Lattice::periodic(41, [VARIED, 0]).value(look.around * VARIED as f32, 0.5);
         let height = height / mix(LOWEST, 1.0, varied);
         // On rising ground there are crowns below crowns: bands of them, each beside the last.
-        let band = if is_far { (0.5 - height / wood.height).max(0.0) * 4.0 } else { 0.0 };
-        let height = if is_far { height.max(wood.height * (0.5 - 0.25 * band.fract())) } else { height };
+        let closed = if is_far { closed(look.around) } else { 0.0 };
+        let band = (closed - height / wood.height).max(0.0) * 5.0;
+        let height = if is_far { height.max(wood.height * (closed - 0.2 * band.fract())) } else { height };
         if height > wood.height || height < 0.0 || free <= 0.0 {
             return (0.0, [0.0; 3]);
         }
@@ -226,6 +231,12 @@ impl Prepared<'_> {
             (reflected[k] * sun[k] * front + transmitted[k] * sun[k] * through + of_sky) / PI
         })
     }
+}
+
+/// Share of the wood's height up to which crowns close a slope: an outline of crowns a few metres wide.
+fn closed(around: f32) -> f32 {
+    let part = |nodes: u32| Lattice::periodic(51, [nodes, 0]).value(around * nodes as f32, 0.5);
+    0.22 + 0.16 * part(310) + 0.14 * part(1130)
 }
 
 /// A number folded into 0..1 as a strip of paper is.

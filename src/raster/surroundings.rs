@@ -114,7 +114,7 @@ impl Prepared<'_> {
     }
 
     /// Radiance of the ground at a point of the picture below the horizon, of what changes little from pixel to pixel.
-    pub(super) fn ground(&self, at: [f32; 2], light: &GroundLight, patches: [f32; 3]) -> [f32; 3] {
+    pub(super) fn ground(&self, at: [f32; 2], light: &GroundLight, patches: [f32; 4]) -> [f32; 3] {
         let Some(ground) = self.frame.ground.as_ref().filter(|_| self.plain().is_none()) else { return self.sky(at) };
         let (position, distance, ray) = self.on_ground(at);
         let albedo = self.ground_albedo(position, distance, ray, patches);
@@ -179,18 +179,28 @@ impl Prepared<'_> {
         })
     }
 
-    /// Wide patches in the ground, which do not repeat: how light it is, and how dry; and how worn.
-    pub(super) fn ground_patches(&self, at: [f32; 2]) -> [f32; 3] {
+    /// Wide patches in the ground, which do not repeat: how light it is, how dry and how worn (both with 1 added, so that what
+    /// counts as even is told from 1), and the octave of tufts that pixels show.
+    pub(super) fn ground_patches(&self, at: [f32; 2]) -> [f32; 4] {
         let (position, distance, ray) = self.on_ground(at);
         let place = Vec2::new(position.x, position.z);
-        let long = distance / self.projection.pixels_per_metre / (-ray.y).max(1e-3);
+        let pixel = distance / self.projection.pixels_per_metre;
+        let long = pixel / (-ray.y).max(1e-3);
         let [field, wide] = [(71.0, 1), (19.0, 2)].map(|(size, salt)| patches(place / size, salt, long / size));
-        [1.0 + 0.16 * field + 0.30 * wide, 0.20 * field - 0.22 * wide, self.worn(place)]
+        let octave = log2f((pixel / FINEST).max(1.0));
+        [1.0 + 0.18 * field + 0.32 * wide, 1.0 + 0.24 * field - 0.26 * wide, 1.0 + self.worn(place), octave]
     }
 
     /// Reflectance of the ground: its texture, tufts and patches of herbs.
-    fn ground_albedo(&self, position: Vec3, distance: f32, ray: Vec3, [light, dry, worn]: [f32; 3]) -> [f32; 3] {
+    fn ground_albedo(
+        &self,
+        position: Vec3,
+        distance: f32,
+        ray: Vec3,
+        [light, dry, worn, octave]: [f32; 4],
+    ) -> [f32; 3] {
         let Some(ground) = &self.frame.ground else { return [0.0; 3] };
+        let (dry, worn) = (dry - 1.0, (worn - 1.0).max(0.0));
         let pixel = distance / self.projection.pixels_per_metre;
         let texture = &self.textures[ground.texture as usize];
         let place = Vec2::new(position.x, position.z);
@@ -201,13 +211,13 @@ impl Prepared<'_> {
         // Where a repeat is a few pixels there is no detail left but the repeats.
         let near = 1.0 - smooth_step(0.04, 0.10, footprint);
         let detail = if near > 0.0 { texture.sample(place / ground.tile, footprint) } else { mean };
-        let upright = if ground.blades > 0.0 { self.tufts(place, pixel) * ground.blades } else { 0.0 };
+        let upright = if ground.blades > 0.0 { self.tufts(place, octave) * ground.blades } else { 0.0 };
         // A tuft hides what lies behind it, so patches end in tufts: what is seen lies nearer by its height over the slope.
-        let seen = place - self.ahead() * (upright * TALL * ground.blades / (-ray.y).max(1e-3));
+        let seen = place - self.atmosphere.ahead * (upright * TALL * ground.blades / (-ray.y).max(1e-3));
         let [middle, small] = [(4.3, 4), (1.15, 3)].map(|(size, salt)| patches(seen / size, salt, long / size));
-        let light = light + 0.40 * middle + 0.34 * small + TUFTS * upright;
+        let light = light + 0.46 * middle + 0.42 * small + TUFTS * upright;
         let grass = ground.blades * (1.0 - worn);
-        let straw = STRAWY + dry + 0.55 * (small - 0.6 * middle) + 0.25 * upright + ground.dormant * 0.62;
+        let straw = STRAWY + dry + 0.70 * (small - 0.7 * middle) + 0.25 * upright + ground.dormant * 0.58;
         let straw = straw.clamp(0.0, 1.0) * grass;
         std::array::from_fn(|k| {
             let textured = mix(mean[k], detail[k], near) * light;
@@ -218,28 +228,24 @@ impl Prepared<'_> {
         })
     }
 
-    /// The level direction of the look, along x and z.
-    fn ahead(&self) -> Vec2 {
-        let forward = self.projection.axes.row(2);
-        Vec2::new(forward[0], forward[2]).try_normalize(1e-6).unwrap_or_else(Vec2::x)
-    }
-
     /// Noise of tufts that stand upright: each hides what lies behind it for as far as it is high over the slope of the look, so
     /// on the ground it is drawn out away from the eye, by as much as at the distance where its size is that of a pixel. Two sizes
     /// are mixed as the distance grows, so that it is never lost and each stays where it is.
-    fn tufts(&self, place: Vec2, pixel: f32) -> f32 {
-        let ahead = self.ahead();
+    fn tufts(&self, place: Vec2, octave: f32) -> f32 {
+        let ahead = self.atmosphere.ahead;
         let (along, across) = (place.dot(&ahead), place.x * ahead.y - place.y * ahead.x);
-        let octave = log2f((pixel / FINEST).max(1.0));
-        let level = (octave as i32).min(20);
+        let level = (octave.max(0.0) as i32).min(20);
         let of = |level: i32| {
             let times = (1i32 << level) as f32;
             let drawn_out = (0.5 * times * FINEST * self.projection.pixels_per_metre / self.projection.eye.y.max(0.1))
                 .clamp(1.0, 40.0);
             let size = 2.5 * FINEST * times;
-            Lattice::new(40 + level as u64).gradient(across / size, along / (size * drawn_out))
+            // A slant of its own keeps the lattice's rows from lying along the picture's.
+            let (u, v) = (across / size, along / (size * drawn_out));
+            Lattice::new(40 + level as u64).gradient(u + 0.53 * v, v - 0.31 * u)
         };
-        mix(of(level), of(level + 1), octave - level as f32)
+        let part = octave - level as f32;
+        if part <= 0.0 { of(level) } else { mix(of(level), of(level + 1), part) }
     }
 
     /// How a meadow meets the sun where an eye sees it, as a share of the irradiance across the beam, 0 to about 2: blades that
@@ -273,8 +279,8 @@ const WORN: f32 = 0.45;
 /// Share of dry stalks and seed heads in a summer's meadow.
 const STRAWY: f32 = 0.16;
 /// Reflectance of dry grass over that of the meadow's mean, and of resting green grass over fresh.
-const STRAW: [f32; 3] = [2.15, 1.42, 2.10];
-const DULL: [f32; 3] = [1.02, 0.80, 1.05];
+const STRAW: [f32; 3] = [2.10, 1.42, 2.60];
+const DULL: [f32; 3] = [1.00, 0.78, 1.25];
 /// Reflectance of trodden soil with crumbs of litter and moss (linear, judged).
 const SOIL: [f32; 3] = [0.085, 0.070, 0.042];
 
