@@ -85,8 +85,8 @@ impl Form {
     /// Height over that of the stand, and ranges of the crown's radius over the height.
     fn proportions(self) -> (f64, [f64; 2]) {
         match self {
-            Self::Broad => (0.88, [0.30, 0.43]),
-            Self::Tall => (1.08, [0.20, 0.29]),
+            Self::Broad => (0.94, [0.31, 0.44]),
+            Self::Tall => (1.08, [0.22, 0.32]),
             Self::Narrow => (1.02, [0.11, 0.17]),
             Self::Spire => (1.12, [0.15, 0.22]),
             Self::Bush => (1.0, [0.5, 0.9]),

@@ -22,7 +22,7 @@ const REPEATS: u32 = 12;
 /// Rows of trees behind one another, their distance in metres, and metres of edge a tree of a row.
 const ROWS: u64 = 4;
 const ROW_DEPTH: f64 = 6.0;
-const SPACING: f64 = 5.2;
+const SPACING: f64 = 5.8;
 /// Metres of edge a bush of the hem.
 const BUSHES: f64 = 1.9;
 /// Stems that stand deeper in the wood, seen where it is bare.
@@ -114,10 +114,10 @@ fn stand(seed: u64) -> Vec<Tree> {
         let tall = 0.5 + 0.26 * wave(2.0, 1.0) + 0.24 * wave(5.0, 0.3) + 0.14 * wave(11.0, 2.0);
         let mean = 8.0 + 7.5 * tall + 1.3 * row as f64;
         let evergreen = f64::from(conifers.value((x / LENGTH * 9.0) as f32, 0.5));
-        let form = match random.uniform() + 0.75 * (evergreen - 0.78).max(0.0) * 4.0 {
-            lot if lot > 0.95 => Form::Spire,
-            lot if lot > 0.84 => Form::Narrow,
-            lot if lot > 0.48 => Form::Tall,
+        let form = match random.uniform() + 2.2 * (evergreen - 0.80).max(0.0) {
+            lot if lot > 0.972 => Form::Spire,
+            lot if lot > 0.89 => Form::Narrow,
+            lot if lot > 0.55 => Form::Tall,
             _ => Form::Broad,
         };
         let depth = -(row as f64) * ROW_DEPTH - random.range(0.0, 3.5);

@@ -32,10 +32,10 @@ const VARIED: u32 = 89;
 /// Least height of trees over that of the texture.
 const LOWEST: f32 = 0.74;
 /// Reflectances of bare crowns (linear, judged).
-const BARE: [[f32; 3]; 2] = [[0.118, 0.100, 0.090], [0.165, 0.130, 0.102]];
+const BARE: [[f32; 3]; 2] = [[0.092, 0.081, 0.075], [0.135, 0.110, 0.090]];
 /// Reflectance of conifers' crowns, and of bark (linear, judged).
 const EVERGREEN: [f32; 3] = [0.050, 0.058, 0.026];
-const BARK: [f32; 3] = [0.135, 0.118, 0.100];
+const BARK: [f32; 3] = [0.115, 0.102, 0.090];
 /// Tints of the kinds of trees, on the frame's own foliage.
 const TINTS: [[f32; 3]; 3] = [[0.82, 0.90, 0.84], [1.04, 1.00, 0.92], [1.30, 1.16, 0.86]];
 

@@ -242,7 +242,7 @@ impl Prepared<'_> {
             let size = 2.5 * FINEST * times;
             // A slant of its own keeps the lattice's rows from lying along the picture's.
             let (u, v) = (across / size, along / (size * drawn_out));
-            Lattice::new(40 + level as u64).gradient(u + 0.53 * v, v - 0.31 * u)
+            Lattice::new(40 + level as u64).gradient(u + 0.24 * v, v - 0.15 * u)
         };
         let part = octave - level as f32;
         if part <= 0.0 { of(level) } else { mix(of(level), of(level + 1), part) }
@@ -268,12 +268,12 @@ impl Prepared<'_> {
 }
 
 /// Width of a tuft that is told from others near by, metres.
-const FINEST: f32 = 0.012;
+const FINEST: f32 = 0.007;
 /// How much lighter and darker tufts are than the mean (judged).
 const TUFTS: f32 = 0.34;
 
 /// Height of a tuft over the sward, metres, for a noise of 1.
-const TALL: f32 = 0.22;
+const TALL: f32 = 0.16;
 /// Metres from a trunk to where grass is whole again, for a thin one.
 const WORN: f32 = 0.45;
 /// Share of dry stalks and seed heads in a summer's meadow.
