@@ -205,7 +205,7 @@ impl Tree {
         match self.form {
             Form::Spire => 0.14 + 0.011 * self.height,
             Form::Bush => 0.16 + 0.13 * self.height,
-            _ => 0.24 + 0.017 * self.height,
+            _ => 0.26 + 0.021 * self.height,
         }
     }
 
@@ -272,4 +272,38 @@ impl Tree {
 
 fn between(a: f64, b: f64, t: f64) -> f64 {
     a + (b - a) * t
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FORMS: [Form; 5] = [Form::Broad, Form::Tall, Form::Narrow, Form::Spire, Form::Bush];
+
+    #[test]
+    fn crowns_keep_to_their_trees() {
+        for (number, form) in FORMS.into_iter().enumerate() {
+            let tree = Tree::new(1, number as u64, [50.0, 0.0], 12.0, form);
+            let reach = 2.0 * tree.width + tree.lean.abs();
+            let clumps: Vec<Clump> = tree.clumps(1).collect();
+            assert!(!clumps.is_empty());
+            for clump in clumps {
+                assert!(clump.y <= tree.height && clump.y > -tree.width, "{form:?} {clump:?}");
+                assert!((clump.x - tree.x).abs() < reach && (0.0..=1.0).contains(&clump.light), "{form:?} {clump:?}");
+                assert_eq!(clump.kind < 0.0, form == Form::Spire);
+            }
+            let wood = tree.wood(1);
+            let base = wood.iter().find(|stroke| stroke.from[1] == 0.0).expect("a trunk's foot");
+            assert!((base.widths[0] - tree.diameter()).abs() < 1e-9 && base.widths[1] <= base.widths[0]);
+        }
+    }
+
+    #[test]
+    fn forms_differ_in_breadth() {
+        let breadth = |form: Form| {
+            let trees = (0..20).map(|number| Tree::new(3, number, [0.0; 2], 12.0, form));
+            trees.map(|tree| tree.width / tree.height).sum::<f64>() / 20.0
+        };
+        assert!(breadth(Form::Broad) > breadth(Form::Tall) && breadth(Form::Tall) > breadth(Form::Narrow));
+    }
 }

@@ -141,7 +141,7 @@ fn in_leaf(seed: u64, trees: &[Tree]) -> Canvas {
     // The dark between the stems: no sky shows there.
     let gloom = Lattice::periodic(hash(seed, 52), [64, 0]);
     canvas.fill(|x, y| {
-        let top = 1.9 + 4.0 * f64::from(gloom.value((x / LENGTH * 64.0) as f32, 0.5));
+        let top = 2.8 + 5.0 * f64::from(gloom.value((x / LENGTH * 64.0) as f32, 0.5));
         (y < top).then_some(Texel { light: 0.05 + 0.02 * y / top, covered: 1.0, kind: 0.5, ..EMPTY })
     });
     // The nearest first: what they hide need not be drawn.

@@ -34,7 +34,7 @@ const LOWEST: f32 = 0.74;
 /// Reflectances of bare crowns (linear, judged).
 const BARE: [[f32; 3]; 2] = [[0.092, 0.081, 0.075], [0.135, 0.110, 0.090]];
 /// Reflectance of conifers' crowns, and of bark (linear, judged).
-const EVERGREEN: [f32; 3] = [0.050, 0.058, 0.026];
+const EVERGREEN: [f32; 3] = [0.064, 0.078, 0.035];
 const BARK: [f32; 3] = [0.115, 0.102, 0.090];
 /// Tints of the kinds of trees, on the frame's own foliage.
 const TINTS: [[f32; 3]; 3] = [[0.82, 0.90, 0.84], [1.04, 1.00, 0.92], [1.30, 1.16, 0.86]];
@@ -243,4 +243,26 @@ fn closed(around: f32) -> f32 {
 fn folded(x: f32) -> f32 {
     let rest = (0.5 * x).fract() * 2.0;
     if rest > 1.0 { 2.0 - rest } else { rest }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folding_keeps_the_range_and_has_no_steps() {
+        let folded: Vec<f32> = (0..400).map(|step| folded(step as f32 * 0.01)).collect();
+        assert!(folded.iter().all(|x| (0.0..=1.0).contains(x)));
+        assert!(folded.windows(2).all(|pair| (pair[0] - pair[1]).abs() < 0.0101));
+        assert!((folded[150] - 0.5).abs() < 1e-5 && (folded[30] - 0.3).abs() < 1e-5);
+    }
+
+    #[test]
+    fn what_stays_green_and_wood_have_their_own_colours() {
+        let summer = Palette { kinds: vec![(1.0, [0.05, 0.10, 0.03], [0.04, 0.12, 0.02])] };
+        assert_eq!(summer.seen(-1.0, 0.5), (EVERGREEN, [0.0; 3]));
+        assert_eq!(summer.seen(0.5, -1.0), (BARK, [0.0; 3]));
+        let (reflected, transmitted) = summer.seen(0.5, 0.3);
+        assert!(reflected[1] > reflected[0] && transmitted[1] > 0.0);
+    }
 }

@@ -138,7 +138,7 @@ impl Prepared<'_> {
         // No meadow is farther away than the wood that closes it off.
         let farthest = ground.wood.map_or(f32::MAX, |wood| wood.distance);
         let way = ray * distance.min(farthest);
-        let open = self.open_at_feet(Vec2::new(position.x, position.z));
+        let open = open_at_feet(&ground.feet, Vec2::new(position.x, position.z));
         let air = self.atmosphere.air(way);
         GroundLight {
             sun: self.frame.sun.irradiance.map(|e| e * meeting),
@@ -146,37 +146,6 @@ impl Prepared<'_> {
             kept: air.map(|channel| channel[0]),
             air: air.map(|channel| channel[1]),
         }
-    }
-
-    /// Share of the sky's light that trunks leave on the ground at a place: an endless wall that spans the angle 2 asin(r / d)
-    /// takes asin(r / d) / pi of the irradiance of an even sky.
-    fn open_at_feet(&self, place: Vec2) -> f32 {
-        let feet = self.frame.ground.iter().flat_map(|ground| &ground.feet);
-        feet.fold(1.0, |open, [x, z, radius]| {
-            let (away, reach) = ((place.x - x) * (place.x - x) + (place.y - z) * (place.y - z), 16.0 * radius);
-            if away > reach * reach {
-                return open;
-            }
-            let distance = away.sqrt();
-            let taken = asinf((radius / distance.max(*radius)).min(1.0)) / PI - 1.0 / (16.0 * PI);
-            // Between blades and litter at its very foot it is darker still (judged).
-            let crevice = 1.0 - 0.4 * (1.0 - smooth_step(0.0, 0.9 * radius + 0.06, distance - radius));
-            open * (1.0 - taken.max(0.0)) * crevice
-        })
-    }
-
-    /// How much of the ground's cover is worn away about the trunks, 0..1.
-    fn worn(&self, place: Vec2) -> f32 {
-        let feet = self.frame.ground.iter().flat_map(|ground| &ground.feet);
-        feet.fold(0.0f32, |worn, [x, z, radius]| {
-            let away = (place.x - x) * (place.x - x) + (place.y - z) * (place.y - z);
-            let reach = 2.0 * radius + WORN;
-            if away > reach * reach {
-                return worn;
-            }
-            let frayed = 0.35 * Lattice::new(9).gradient(place.x / 0.23, place.y / 0.23);
-            worn.max(0.85 * (1.0 - smooth_step(0.25, 1.0, (away.sqrt() - radius) / (reach - radius) + frayed)))
-        })
     }
 
     /// Wide patches in the ground, which do not repeat: how light it is, how dry and how worn (both with 1 added, so that what
@@ -188,7 +157,8 @@ impl Prepared<'_> {
         let long = pixel / (-ray.y).max(1e-3);
         let [field, wide] = [(71.0, 1), (19.0, 2)].map(|(size, salt)| patches(place / size, salt, long / size));
         let octave = log2f((pixel / FINEST).max(1.0));
-        [1.0 + 0.18 * field + 0.32 * wide, 1.0 + 0.24 * field - 0.26 * wide, 1.0 + self.worn(place), octave]
+        let worn = self.frame.ground.as_ref().map_or(0.0, |ground| worn(&ground.feet, place));
+        [1.0 + 0.18 * field + 0.32 * wide, 1.0 + 0.24 * field - 0.26 * wide, 1.0 + worn, octave]
     }
 
     /// Reflectance of the ground: its texture, tufts and patches of herbs.
@@ -288,4 +258,61 @@ const SOIL: [f32; 3] = [0.085, 0.070, 0.042];
 fn patches(place: Vec2, salt: u64, pixel: f32) -> f32 {
     let seen = 1.0 - smooth_step(0.4, 1.5, pixel);
     if seen <= 0.0 { 0.0 } else { Lattice::new(salt).gradient(place.x, place.y) * seen }
+}
+
+/// Share of the sky's light that trunks (x, z, radius) leave on the ground at a place: an endless wall that spans the angle
+/// 2 asin(r / d) takes asin(r / d) / pi of the irradiance of an even sky.
+fn open_at_feet(feet: &[[f32; 3]], place: Vec2) -> f32 {
+    feet.iter().fold(1.0, |open, [x, z, radius]| {
+        let (away, reach) = ((place.x - x) * (place.x - x) + (place.y - z) * (place.y - z), REACH * radius);
+        if away > reach * reach {
+            return open;
+        }
+        let distance = away.sqrt();
+        // Less what is left at the reach, so that it ends there.
+        let taken = (asinf((radius / distance.max(*radius)).min(1.0)) - asinf(1.0 / REACH)) / PI;
+        // Between blades and litter at its very foot it is darker still (judged).
+        let crevice = 1.0 - 0.4 * (1.0 - smooth_step(0.0, 0.9 * radius + 0.06, distance - radius));
+        open * (1.0 - taken.max(0.0)) * crevice
+    })
+}
+
+/// Radii of a trunk within which it keeps light off the ground.
+const REACH: f32 = 16.0;
+
+/// How much of the ground's cover is worn away about trunks (x, z, radius), 0..1.
+fn worn(feet: &[[f32; 3]], place: Vec2) -> f32 {
+    feet.iter().fold(0.0f32, |worn, [x, z, radius]| {
+        let away = (place.x - x) * (place.x - x) + (place.y - z) * (place.y - z);
+        let reach = 2.0 * radius + WORN;
+        if away > reach * reach {
+            return worn;
+        }
+        let frayed = 0.35 * Lattice::new(9).gradient(place.x / 0.23, place.y / 0.23);
+        worn.max(0.85 * (1.0 - smooth_step(0.25, 1.0, (away.sqrt() - radius) / (reach - radius) + frayed)))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_trunk_darkens_the_ground_at_its_foot_and_nothing_far_away() {
+        let feet = [[1.0, 2.0, 0.2]];
+        let open = |distance: f32| open_at_feet(&feet, Vec2::new(1.0, 2.0 + distance));
+        let opens: Vec<f32> = (4..70).map(|step| open(0.05 * step as f32)).collect();
+        assert!(opens.windows(2).all(|pair| pair[0] <= pair[1] + 1e-6), "{opens:?}");
+        // At the wall itself, and within, half of the sky is hidden; away from the crevice the closed form holds.
+        assert!((open(0.1) - 0.6 * (0.5 + asinf(1.0 / REACH) / PI)).abs() < 1e-5);
+        assert!((open(1.0) - (1.0 - (asinf(0.2) - asinf(1.0 / REACH)) / PI)).abs() < 1e-5);
+        assert_eq!((open(4.0), open_at_feet(&[], Vec2::zeros())), (1.0, 1.0));
+    }
+
+    #[test]
+    fn grass_is_worn_at_a_trunk_s_foot_only() {
+        let feet = [[0.0, 0.0, 0.15]];
+        let worn = |distance: f32| worn(&feet, Vec2::new(distance, 0.0));
+        assert!(worn(0.15) > 0.3 && worn(0.9) == 0.0, "{} {}", worn(0.15), worn(0.9));
+    }
 }
