@@ -201,6 +201,7 @@ impl Stock {
             self.models.len() as u32 - 1
         };
         let (foot, meadow) = (model("sward", sward::mesh(scene.seed)), model("meadow", sward::meadow(scene.seed)));
+        let ring = model("sward_ring", sward::ring(scene.seed));
         let camera = turned(scene, 0, view::camera(scene, stand));
         let eye: DVec3 = camera.position.cast();
         let aspect = f64::from(scene.image.width) / f64::from(scene.image.height);
@@ -211,7 +212,10 @@ impl Stock {
         let at_feet =
             sward::places(&trees).into_iter().map(|transform| Instance { model: foot, transform, leaf: None });
         let before = sward::meadow_places(eye.into(), view::axis(&camera).into(), half);
-        at_feet.chain(before.into_iter().map(|transform| Instance { model: meadow, transform, leaf: None })).collect()
+        let about = sward::ring_places(&ground::feet(stand)).into_iter();
+        let about = about.map(|transform| Instance { model: ring, transform, leaf: None });
+        let before = before.into_iter().map(|transform| Instance { model: meadow, transform, leaf: None });
+        at_feet.chain(about).chain(before).collect()
     }
 
     /// The models that leaves of a species wear.

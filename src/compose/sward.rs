@@ -22,6 +22,8 @@ const BLEACHED: [f32; 3] = [1.42, 0.97, 1.75];
 /// Blades in the ring about a trunk's foot that no mower and few feet reach, and how far it goes, metres.
 const RING: u64 = 2100;
 const RING_REACH: f64 = 0.85;
+/// Radius of the trunk that the ring is made for, metres.
+const RING_TRUNK: f32 = 0.14;
 /// Colours of blades, from green to straw (linear sRGB, of the order of measured grass; judged).
 const COLOURS: [[u8; 3]; 8] = [
     [62, 84, 30],
@@ -140,13 +142,25 @@ pub(super) fn mesh(seed: u64) -> Mesh {
             sow(&mut mesh, &tufts, seed, [row, column], DENSEST * (1.0 - distance) * (1.0 - distance));
         }
     }
-    ring(&mut mesh, seed);
     mesh
 }
 
-/// Long grass about the trunk's foot, in tufts that grow shorter and fewer outwards.
-fn ring(mesh: &mut Mesh, seed: u64) {
+/// Where rings of long grass stand about trunks (x, z, radius), as large as the trunks are thick; none about a shoot.
+pub(super) fn ring_places(feet: &[[f32; 3]]) -> Vec<Affine> {
+    let place = |(number, [x, z, radius]): (usize, &[f32; 3])| {
+        let (sine, cosine) = sincos(number as f64 * GOLDEN_ANGLE);
+        let scale = (radius / RING_TRUNK).min(1.5);
+        let (sine, cosine) = (sine as f32 * scale, cosine as f32 * scale);
+        let linear = Mat3::new(cosine, 0.0, sine, 0.0, scale, 0.0, -sine, 0.0, cosine);
+        (scale > 0.3).then_some(Affine { linear, translation: Vec3::new(*x, 0.0, *z) })
+    };
+    feet.iter().enumerate().filter_map(place).take(MOST).collect()
+}
+
+/// Long grass about a trunk's foot, in tufts that grow shorter and fewer outwards.
+pub(super) fn ring(seed: u64) -> Mesh {
     const IN_A_TUFT: u64 = 15;
+    let mut mesh = Mesh::default();
     for tuft in 0..RING / IN_A_TUFT {
         let mut random = Stream::new(seed, Purpose::Surroundings, tuft, 3);
         let out = random.uniform();
@@ -157,9 +171,10 @@ fn ring(mesh: &mut Mesh, seed: u64) {
             let foot = [cos(turn), sin(turn)].map(|side| away * side + 0.05 * random.normal().clamp(-2.0, 2.0));
             let own = (0.7 * hue + 0.4 * random.uniform()).min(0.999);
             let height = tall * random.range(0.45, 1.0);
-            blade(mesh, &mut random, foot, [height, own * own, 0.0032]);
+            blade(&mut mesh, &mut random, foot, [height, own * own, 0.0032]);
         }
     }
+    mesh
 }
 
 fn sow(mesh: &mut Mesh, tufts: &Fractal, seed: u64, [row, column]: [i32; 2], count: f64) {
@@ -209,7 +224,18 @@ mod tests {
         let sward = mesh(1);
         assert_eq!(sward.check(), Ok(()));
         assert!((5_000..160_000).contains(&sward.triangles.len()), "{}", sward.triangles.len());
-        assert!(sward.positions.iter().all(|p| (0.0..0.31).contains(&p.y)));
+        assert!(sward.positions.iter().all(|p| (0.0..0.2).contains(&p.y)));
+    }
+
+    #[test]
+    fn long_grass_grows_with_the_trunk_and_leaves_shoots_alone() {
+        let ring = ring(1);
+        assert_eq!(ring.check(), Ok(()));
+        assert!(ring.positions.iter().all(|p| (0.0..0.31).contains(&p.y)));
+        let places = ring_places(&[[0.0, 0.0, 0.004], [2.0, 1.0, 0.07], [5.0, 0.0, 2.0]]);
+        let scales: Vec<f32> = places.iter().map(|place| place.linear.column(0).norm()).collect();
+        assert_eq!(places.len(), 2);
+        assert!((scales[0] - 0.5).abs() < 1e-5 && (scales[1] - 1.5).abs() < 1e-5, "{scales:?}");
     }
 
     #[test]
