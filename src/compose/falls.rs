@@ -192,10 +192,12 @@ fn rake(scene: &Scene, stand: &Stand, all: &mut [Fall]) -> u64 {
     if scene.fall.raked <= 0.0 {
         return 0;
     }
-    let ground = ground(stand);
+    let (ground, wind) = (ground(stand), Wind::new(&scene.fall, scene.seed));
     let raked = |fall: &mut Fall| {
         let below = DVec2::new(fall.leaf.twig.x, fall.leaf.twig.z);
-        let rest = ground.rest(scene.seed, scene.fall.wind, below + fall.aside);
+        let landing = below + fall.aside;
+        let drifted = landing + wind.drifted(scene.seed, &fall.leaf);
+        let rest = ground.rest(scene.seed, scene.fall.wind, drifted);
         let is_raked = fall.fate.lies() && ground.is_raked(rest, scene.fall.raked);
         if is_raked {
             fall.fate = Fate::Decayed;

@@ -1,19 +1,23 @@
 //! The texture of a meadow, blades of grass drawn over soil, or of bare soil; wrapping at the rim so that it tiles.
 
+use super::falls;
+use super::sward;
+use super::{Garment, Stand, Stock};
 use crate::base::encoding::SrgbEncoder;
-use crate::base::maths::{cos, mix, sin};
+use crate::base::maths::{cos, mix, sin, smooth_step};
 use crate::base::noise::Fractal;
 use crate::base::random::{Purpose, Stream, hash};
-use crate::frame::{Ground, Instance, Texture};
+use crate::frame::{Ground, Instance, Material, Texture, Wood};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Pixels along one side.
-const SIZE: i32 = 1024;
+const SIZE: i32 = 512;
 /// Metres that one repeat covers: 2.5 mm a pixel, the width of a blade of grass.
-const TILE: f32 = 2.56;
+const TILE: f32 = 1.28;
 /// Blades in one repeat, about 6,000 a square metre of those that show.
-const BLADES: u64 = 40_000;
+const BLADES: u64 = 10_000;
 
 /// Metres after which clear air of turbidity 1 hides all but 1/e (judged: a visual range of 50 km at turbidity 2.5, less what
 /// dust and damp near the ground take).
@@ -22,13 +26,63 @@ const HAZE: f64 = 18_000.0;
 /// The ground with its texture's number and what grows on it, in air of a turbidity.
 pub(super) fn ground(texture: u32, cover: Vec<Instance>, turbidity: f64, is_grass: bool) -> Ground {
     let blades = if is_grass { 1.0 } else { 0.0 };
-    Ground { texture, tile: TILE, haze: (HAZE / turbidity) as f32, wood: None, blades, cover }
+    let haze = (HAZE / turbidity) as f32;
+    Ground { texture, tile: TILE, haze, wood: None, blades, dormant: 0.0, feet: Vec::new(), cover }
+}
+
+/// The feet of a stand's trunks, metres.
+pub(super) fn feet(stand: &Stand) -> Vec<[f32; 3]> {
+    let trunks = falls::ground(stand).trunks.into_iter();
+    trunks.map(|trunk| [trunk.place.x as f32, trunk.place.y as f32, trunk.radius as f32]).collect()
+}
+
+/// Share of the leaf sites that are bare, 0..1; trees without any are bare.
+fn bareness(worn: &[Option<Garment>]) -> f32 {
+    let hanging = worn.iter().flatten().count();
+    1.0 - hanging as f32 / worn.len().max(1) as f32
+}
+
+/// Whether the trees are bare: a few leaves that hang on make no foliage.
+fn is_bare(worn: &[Option<Garment>]) -> bool {
+    bareness(worn) >= 0.9
+}
+
+/// How far grass has gone into its winter rest: it bleaches as the trees drop their leaves (judged).
+fn dormancy(worn: &[Option<Garment>]) -> f32 {
+    smooth_step(0.25, 1.0, bareness(worn))
+}
+
+impl Stock {
+    /// The ground as it looks while the trees wear this.
+    pub(super) fn ground_in_season(&self, worn: &[Option<Garment>]) -> Option<Ground> {
+        let ground = self.ground.clone()?;
+        let wood = ground.wood.map(|wood| Wood { is_bare: is_bare(worn), ..wood });
+        Some(Ground { wood, dormant: dormancy(worn), ..ground })
+    }
+
+    /// The textures, those of the wood on the horizon as the season has it.
+    pub(super) fn textures_in_season(&self, worn: &[Option<Garment>]) -> Vec<Arc<Texture>> {
+        let mut textures = self.textures.clone();
+        if let Some(edge) = &self.wood_edge {
+            edge.put(is_bare(worn), &mut textures);
+        }
+        textures
+    }
+
+    /// The materials, that of grass in its colours of the season.
+    pub(super) fn materials_in_season(&self, worn: &[Option<Garment>]) -> Vec<Material> {
+        let mut materials = self.materials.clone();
+        for grass in materials.iter_mut().filter(|material| material.name == sward::NAME) {
+            grass.colour = sward::tint(dormancy(worn));
+        }
+        materials
+    }
 }
 
 /// Paints the meadow, or bare soil.
 pub(super) fn texture(seed: u64, is_grass: bool) -> Texture {
-    let (soils, droughts) = (Fractal::new(96, 96, 1, hash(seed, 1)), Fractal::new(3, 3, 3, hash(seed, 2)));
-    let crumbs = Fractal::new(31, 31, 4, hash(seed, 4));
+    let (soils, droughts) = (Fractal::new(48, 48, 1, hash(seed, 1)), Fractal::new(3, 3, 3, hash(seed, 2)));
+    let crumbs = Fractal::new(16, 16, 4, hash(seed, 4));
     let mut linear = vec![[0.0f32; 3]; (SIZE * SIZE) as usize];
     linear.par_iter_mut().enumerate().for_each(|(index, texel)| {
         let (u, v) = ((index as i32 % SIZE) as f32 / SIZE as f32, (index as i32 / SIZE) as f32 / SIZE as f32);
@@ -54,7 +108,7 @@ fn draw_blade(linear: &mut [[f32; 3]], droughts: &Fractal, seed: u64, number: u6
     let angle = random.range(0.0, TAU);
     let length = random.range(8.0, 26.0);
     let (u, v) = (x as f32 / SIZE as f32, y as f32 / SIZE as f32);
-    let dry = droughts.at(u, v) * 0.8 - 0.46 + 0.35 * random.uniform() as f32;
+    let dry = droughts.at(u, v) * 0.4 - 0.26 + 0.35 * random.uniform() as f32;
     let shade = random.range(0.55, 1.25) as f32;
     let green = [0.078, 0.142, 0.028];
     let straw = [0.26, 0.22, 0.085];

@@ -250,7 +250,8 @@ impl Strewer<'_> {
         let rotation = transform.linear.cast::<f64>() / site.scale;
         let hung = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rotation));
         let landing = level(middle) + fall.aside;
-        let rest = self.ground.rest(self.scene.seed, self.scene.fall.wind, landing);
+        let drifted = landing + self.wind.drifted(self.scene.seed, &fall.leaf);
+        let rest = self.ground.rest(self.scene.seed, self.scene.fall.wind, drifted);
         let (side, yaw) = fall::lot(self.scene.seed, &fall.leaf);
         Some(Way { lying, scale: site.scale, side, yaw, hung, middle, landing, rest })
     }

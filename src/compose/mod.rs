@@ -9,6 +9,7 @@ mod bark_pattern;
 mod clouds;
 pub mod contact_sheet;
 mod daylight;
+mod distant_tree;
 mod falls;
 mod ground;
 mod hosek_wilkie;
@@ -103,6 +104,8 @@ pub struct Stock {
     flat: BTreeMap<Garment, u32>,
     lying_stalks: BTreeMap<u64, u32>,
     ground: Option<crate::frame::Ground>,
+    /// The wood on the horizon.
+    wood_edge: Option<wood_edge::Edge>,
     /// Number of the texture of clouds.
     clouds: Option<u32>,
     /// Reliefs that textures were made of, and their numbers.
@@ -178,9 +181,11 @@ impl Stock {
         let is_open = scene.image.background == Backdrop::Sky;
         let cover = if is_grass && is_open { self.add_grass(scene, stand) } else { Vec::new() };
         let mut ground = ground::ground(texture, cover, scene.light.turbidity, is_grass);
+        ground.feet = ground::feet(stand);
         if is_open && scene.ground.wood {
-            let [form, crowns] = wood_edge::textures(scene.seed).map(|texture| self.push_texture(texture));
-            ground.wood = Some(wood_edge::wood(form, crowns));
+            let slots = ["wood_form", "wood_crowns"].map(|name| self.push_texture(wood_edge::placeholder(name)));
+            ground.wood = Some(wood_edge::wood(slots[0], slots[1]));
+            self.wood_edge = Some(wood_edge::Edge::new(scene.seed, slots));
         }
         self.ground = Some(ground);
     }
@@ -188,13 +193,15 @@ impl Stock {
     /// Blades of grass at the trees' feet and before the camera.
     fn add_grass(&mut self, scene: &Scene, stand: &Stand) -> Vec<Instance> {
         let palette = self.push_texture(sward::palette());
-        let material = self.push_material(Material { reflected: Some(palette), ..Material::matte("sward", [1.0; 3]) });
+        let material =
+            self.push_material(Material { reflected: Some(palette), ..Material::matte(sward::NAME, [1.0; 3]) });
         let mut model = |name: &str, mesh: Mesh| {
             let part = Part { material, mesh: self.push_mesh(Arc::new(mesh)) };
             self.models.push(Model { name: name.to_owned(), parts: vec![part] });
             self.models.len() as u32 - 1
         };
         let (foot, meadow) = (model("sward", sward::mesh(scene.seed)), model("meadow", sward::meadow(scene.seed)));
+        let ring = model("sward_ring", sward::ring(scene.seed));
         let camera = turned(scene, 0, view::camera(scene, stand));
         let eye: DVec3 = camera.position.cast();
         let aspect = f64::from(scene.image.width) / f64::from(scene.image.height);
@@ -205,7 +212,10 @@ impl Stock {
         let at_feet =
             sward::places(&trees).into_iter().map(|transform| Instance { model: foot, transform, leaf: None });
         let before = sward::meadow_places(eye.into(), view::axis(&camera).into(), half);
-        at_feet.chain(before.into_iter().map(|transform| Instance { model: meadow, transform, leaf: None })).collect()
+        let about = sward::ring_places(&ground::feet(stand)).into_iter();
+        let about = about.map(|transform| Instance { model: ring, transform, leaf: None });
+        let before = before.into_iter().map(|transform| Instance { model: meadow, transform, leaf: None });
+        at_feet.chain(about).chain(before).collect()
     }
 
     /// The models that leaves of a species wear.
@@ -372,15 +382,15 @@ impl Stock {
         }
         Frame {
             meshes: self.meshes.clone(),
-            textures: self.textures.clone(),
-            materials: self.materials.clone(),
+            textures: self.textures_in_season(worn),
+            materials: self.materials_in_season(worn),
             models: self.models.clone(),
             instances,
             fallen: 0,
             camera,
             sun: lighting.sun,
             sky: lighting.sky,
-            ground: self.ground.clone(),
+            ground: self.ground_in_season(worn),
             background: view::background(scene),
             view: view::view(scene, lighting.exposure),
         }

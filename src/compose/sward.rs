@@ -1,7 +1,7 @@
 //! Blades of grass about the foot of the tree, so that the trunk stands in the meadow and not on it, and tufts before the
 //! camera. Farther away the ground's texture is enough.
 
-use crate::base::maths::{cos, sin, sincos};
+use crate::base::maths::{cos, mix, sin, sincos};
 use crate::base::mesh::Mesh;
 use crate::base::noise::Fractal;
 use crate::base::random::{Purpose, Stream, hash};
@@ -15,6 +15,15 @@ const CELL: f64 = 0.25;
 const REACH: i32 = 26;
 /// Blades in a cell at the foot.
 const DENSEST: f64 = 60.0;
+/// Name of the material of blades.
+pub(super) const NAME: &str = "sward";
+/// What winter does to the colours of blades: bleached, less green (judged).
+const BLEACHED: [f32; 3] = [1.42, 0.97, 1.75];
+/// Blades in the ring about a trunk's foot that no mower and few feet reach, and how far it goes, metres.
+const RING: u64 = 2100;
+const RING_REACH: f64 = 0.85;
+/// Radius of the trunk that the ring is made for, metres.
+const RING_TRUNK: f32 = 0.14;
 /// Colours of blades, from green to straw (linear sRGB, of the order of measured grass; judged).
 const COLOURS: [[u8; 3]; 8] = [
     [62, 84, 30],
@@ -34,6 +43,11 @@ pub(super) fn palette() -> Texture {
     let shade = |colour: u8, row: u32| (f32::from(colour) * (0.52 + 0.40 * row as f32 / (ROWS - 1) as f32)) as u8;
     let pixels = (0..ROWS).flat_map(|row| COLOURS.map(|c| c.map(|v| shade(v, ROWS - 1 - row)))).collect();
     Texture { name: "sward".to_owned(), width, height: ROWS, pixels, repeat: false }
+}
+
+/// Factor on the colours of blades, for how far grass has gone into its winter rest, 0..1.
+pub(super) fn tint(dormant: f32) -> [f32; 3] {
+    BLEACHED.map(|full| mix(1.0, full, dormant))
 }
 
 /// Least distance between the middles of two swards, metres: nearer trees share one, whose blades reach all of their feet.
@@ -131,6 +145,38 @@ pub(super) fn mesh(seed: u64) -> Mesh {
     mesh
 }
 
+/// Where rings of long grass stand about trunks (x, z, radius), as large as the trunks are thick; none about a shoot.
+pub(super) fn ring_places(feet: &[[f32; 3]]) -> Vec<Affine> {
+    let place = |(number, [x, z, radius]): (usize, &[f32; 3])| {
+        let (sine, cosine) = sincos(number as f64 * GOLDEN_ANGLE);
+        let scale = (radius / RING_TRUNK).min(1.5);
+        let (sine, cosine) = (sine as f32 * scale, cosine as f32 * scale);
+        let linear = Mat3::new(cosine, 0.0, sine, 0.0, scale, 0.0, -sine, 0.0, cosine);
+        (scale > 0.3).then_some(Affine { linear, translation: Vec3::new(*x, 0.0, *z) })
+    };
+    feet.iter().enumerate().filter_map(place).take(MOST).collect()
+}
+
+/// Long grass about a trunk's foot, in tufts that grow shorter and fewer outwards.
+pub(super) fn ring(seed: u64) -> Mesh {
+    const IN_A_TUFT: u64 = 15;
+    let mut mesh = Mesh::default();
+    for tuft in 0..RING / IN_A_TUFT {
+        let mut random = Stream::new(seed, Purpose::Surroundings, tuft, 3);
+        let out = random.uniform();
+        let (away, turn) = (0.10 + (RING_REACH - 0.10) * out * out.sqrt(), random.range(0.0, TAU));
+        let tall = random.range(0.12, 0.30) * (1.0 - 0.55 * out);
+        let hue = random.uniform();
+        for _ in 0..IN_A_TUFT {
+            let foot = [cos(turn), sin(turn)].map(|side| away * side + 0.05 * random.normal().clamp(-2.0, 2.0));
+            let own = (0.7 * hue + 0.4 * random.uniform()).min(0.999);
+            let height = tall * random.range(0.45, 1.0);
+            blade(&mut mesh, &mut random, foot, [height, own * own, 0.0032]);
+        }
+    }
+    mesh
+}
+
 fn sow(mesh: &mut Mesh, tufts: &Fractal, seed: u64, [row, column]: [i32; 2], count: f64) {
     let id = ((row + REACH) * 2 * REACH + column + REACH) as u64;
     let mut random = Stream::new(seed, Purpose::Surroundings, id, 1);
@@ -179,6 +225,17 @@ mod tests {
         assert_eq!(sward.check(), Ok(()));
         assert!((5_000..160_000).contains(&sward.triangles.len()), "{}", sward.triangles.len());
         assert!(sward.positions.iter().all(|p| (0.0..0.2).contains(&p.y)));
+    }
+
+    #[test]
+    fn long_grass_grows_with_the_trunk_and_leaves_shoots_alone() {
+        let ring = ring(1);
+        assert_eq!(ring.check(), Ok(()));
+        assert!(ring.positions.iter().all(|p| (0.0..0.31).contains(&p.y)));
+        let places = ring_places(&[[0.0, 0.0, 0.004], [2.0, 1.0, 0.07], [5.0, 0.0, 2.0]]);
+        let scales: Vec<f32> = places.iter().map(|place| place.linear.column(0).norm()).collect();
+        assert_eq!(places.len(), 2);
+        assert!((scales[0] - 0.5).abs() < 1e-5 && (scales[1] - 1.5).abs() < 1e-5, "{scales:?}");
     }
 
     #[test]

@@ -9,13 +9,13 @@ use crate::base::random::hash;
 use crate::base::vector::DVec2;
 
 /// Lengths over which drifts vary, metres, and how far leaves slide over each of them (root mean square over the length).
-const WAVES: [(f64, f64); 2] = [(2.1, 0.072), (0.55, 0.06)];
+const WAVES: [(f64, f64); 2] = [(2.1, 0.115), (0.55, 0.10)];
 /// Distance of the points between which a gradient is taken, in wavelengths.
 const STEP: f64 = 0.05;
 /// Metres about a trunk's foot that leaves are pushed out of it within.
 const SKIRT: f64 = 0.35;
 /// Share of the drifts that still air leaves, and the wind that makes all of them, m/s.
-const STILL: f64 = 0.35;
+const STILL: f64 = 0.45;
 const DRIFTING: f64 = 1.0;
 
 /// The foot of a trunk.

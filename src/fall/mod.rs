@@ -3,7 +3,8 @@
 //! 1. `flight`: the way down, a closed form of the time since the leaf let go: descent at the speed of its mass and area,
 //!    flutter, tumbling or a spiral by its Froude number, wind and gusts (`wind`) integrated exactly;
 //! 2. `fate`: whether it hangs, flies, lies (as it fell, brown, flat) or has decayed;
-//! 3. `ground`: where it comes to rest: litter gathers in drifts, and not within trunks;
+//! 3. `drift` and `ground`: where it comes to rest: gusts of later days roll it along, litter gathers in patches, and not within
+//!    trunks;
 //! 4. `litter`: how it lies on the ground and on what lies there already: on three points of its shape (`shape`, `support`)
 //!    down to the first contact (`contact`), pressed by what lies over it (`layers`).
 //!
@@ -18,6 +19,7 @@ mod check;
 mod columns;
 mod contact;
 mod descent;
+mod drift;
 mod fate;
 mod flight;
 mod ground;

@@ -60,6 +60,11 @@ impl Wind {
         Self { seed, speed, direction, deviation, time: settings.gust_time, halves }
     }
 
+    /// Mean speed, m/s.
+    pub(super) fn speed(&self) -> f64 {
+        self.speed
+    }
+
     /// Where the wind blows to at a time (seconds): a unit vector along x and z. Without a direction of the scene each day has
     /// one by chance, about which that of the hours wanders.
     #[must_use]

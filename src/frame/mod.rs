@@ -181,7 +181,8 @@ pub enum Background {
 pub struct Wood {
     /// Number of the texture of coverage (0..1) and of the normal's parts to the right and up.
     pub form: u32,
-    /// Number of the texture of the tree's kind, of the share of light that comes in, and of how thin the foliage is (0..1).
+    /// Number of the texture of the tree's kind (0..1, -1 for what stays green), of the share of light that comes in (0..1), and
+    /// of how thin the foliage is (0..1, -1 for wood).
     pub crowns: u32,
     /// Distance of the edge, metres.
     pub distance: f32,
@@ -189,6 +190,8 @@ pub struct Wood {
     pub height: f32,
     /// How often they repeat around the whole horizon.
     pub repeats: u32,
+    /// Whether its trees are bare: what covers is then a share of a pixel, and what shows is mostly wood.
+    pub is_bare: bool,
 }
 
 /// The level ground at height 0, drawn to the horizon. Not part of an exported asset.
@@ -204,6 +207,10 @@ pub struct Ground {
     pub wood: Option<Wood>,
     /// How much of what is seen of it are upright blades, 0 for bare soil to 1 for grass.
     pub blades: f32,
+    /// How far grass has gone into its winter rest, 0 for a summer's meadow to 1.
+    pub dormant: f32,
+    /// The feet of trunks: x, z and radius, metres. They keep light off the ground about them.
+    pub feet: Vec<[f32; 3]>,
     /// Models that belong to the ground: grass. They cast no shadow.
     pub cover: Vec<Instance>,
 }

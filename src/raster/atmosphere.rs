@@ -4,7 +4,7 @@ use super::distant_wood::Palette;
 use super::sky::ClearTable;
 use super::texture::MipMap;
 use crate::base::maths::{expf, mix, sincosf, smooth_step};
-use crate::base::vector::Vec3;
+use crate::base::vector::{Vec2, Vec3};
 use crate::frame::Frame;
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -78,6 +78,8 @@ pub(super) struct Atmosphere {
     pub open: Ambient,
     /// What the distant wood wears.
     pub wood: Palette,
+    /// The level direction of the look, along x and z: what stands upright hides what lies farther along it.
+    pub ahead: Vec2,
 }
 
 impl Atmosphere {
@@ -93,6 +95,7 @@ impl Atmosphere {
             haze: frame.ground.as_ref().map_or(1.0, |ground| ground.haze),
             open: Ambient::default(),
             wood: Palette::of(frame, textures),
+            ahead: ahead(frame),
         };
         // Without a ground the horizon goes on below: a backdrop.
         if let Some(ground) = &frame.ground {
@@ -113,7 +116,17 @@ impl Atmosphere {
     pub(super) fn even(radiance: [f32; 3]) -> Self {
         let open = Ambient { mean: radiance, lean: [Vec3::zeros(); 3] };
         let wood = Palette::default();
-        Self { zenith: radiance, horizon: radiance, clear: None, sun: Vec3::y(), ground: None, haze: 1.0, open, wood }
+        Self {
+            zenith: radiance,
+            horizon: radiance,
+            clear: None,
+            sun: Vec3::y(),
+            ground: None,
+            haze: 1.0,
+            open,
+            wood,
+            ahead: Vec2::y(),
+        }
     }
 
     /// Irradiance of the sky on level ground.
@@ -184,6 +197,12 @@ impl Atmosphere {
     pub(super) fn sun_share(&self) -> f32 {
         smooth_step(-0.005, 0.005, self.sun.y)
     }
+}
+
+/// The level direction of a frame's look.
+fn ahead(frame: &Frame) -> Vec2 {
+    let way = frame.camera.target - frame.camera.position;
+    Vec2::new(way.x, way.z).try_normalize(1e-6).unwrap_or_else(Vec2::x)
 }
 
 /// Extinction of the air in each channel over that of green.

@@ -11,7 +11,7 @@ pub(super) struct Backdrop<'a> {
     corner: [f32; 2],
     sky: Known<3>,
     light: Known<{ GroundLight::VALUES }>,
-    patches: Known<2>,
+    patches: Known<4>,
 }
 
 /// Values that are looked for when they are first asked for.

@@ -1,7 +1,7 @@
 //! What is behind everything that stands: the sky with its sun and clouds, the wood on the horizon and the ground.
 
 use super::Prepared;
-use crate::base::maths::{acosf, log2f, mix, smooth_step};
+use crate::base::maths::{acosf, asinf, log2f, mix, smooth_step};
 use crate::base::noise::Lattice;
 use crate::base::random::hash;
 use crate::base::vector::{Vec2, Vec3};
@@ -114,7 +114,7 @@ impl Prepared<'_> {
     }
 
     /// Radiance of the ground at a point of the picture below the horizon, of what changes little from pixel to pixel.
-    pub(super) fn ground(&self, at: [f32; 2], light: &GroundLight, patches: [f32; 2]) -> [f32; 3] {
+    pub(super) fn ground(&self, at: [f32; 2], light: &GroundLight, patches: [f32; 4]) -> [f32; 3] {
         let Some(ground) = self.frame.ground.as_ref().filter(|_| self.plain().is_none()) else { return self.sky(at) };
         let (position, distance, ray) = self.on_ground(at);
         let albedo = self.ground_albedo(position, distance, ray, patches);
@@ -138,59 +138,84 @@ impl Prepared<'_> {
         // No meadow is farther away than the wood that closes it off.
         let farthest = ground.wood.map_or(f32::MAX, |wood| wood.distance);
         let way = ray * distance.min(farthest);
+        let open = open_at_feet(&ground.feet, Vec2::new(position.x, position.z));
         let air = self.atmosphere.air(way);
         GroundLight {
             sun: self.frame.sun.irradiance.map(|e| e * meeting),
-            ambient: self.ambient(position).irradiance(Vec3::y()).map(|e| e / PI),
+            ambient: self.ambient(position).irradiance(Vec3::y()).map(|e| e * open / PI),
             kept: air.map(|channel| channel[0]),
             air: air.map(|channel| channel[1]),
         }
     }
 
-    /// Patches of several sizes in the ground, which do not repeat: how light it is, and how dry.
-    pub(super) fn ground_patches(&self, at: [f32; 2]) -> [f32; 2] {
+    /// Wide patches in the ground, which do not repeat: how light it is, how dry and how worn (both with 1 added, so that what
+    /// counts as even is told from 1), and the octave of tufts that pixels show.
+    pub(super) fn ground_patches(&self, at: [f32; 2]) -> [f32; 4] {
         let (position, distance, ray) = self.on_ground(at);
         let place = Vec2::new(position.x, position.z);
-        let long = distance / self.projection.pixels_per_metre / (-ray.y).max(1e-3);
-        let [wide, middle, small] =
-            [(23.0, 1), (4.9, 2), (1.1, 3)].map(|(size, salt)| patches(place / size, salt, long / size));
-        // Longer grass is darker, and where it is thin straw and soil show.
-        let light = 1.0 + 0.28 * wide + 0.45 * middle + 0.40 * small;
-        let dry = (0.50 * (0.6 * wide - 0.5 * middle + 0.6 * small)).clamp(-0.15, 0.5);
-        [light, dry]
+        let pixel = distance / self.projection.pixels_per_metre;
+        let long = pixel / (-ray.y).max(1e-3);
+        let [field, wide] = [(71.0, 1), (19.0, 2)].map(|(size, salt)| patches(place / size, salt, long / size));
+        let octave = log2f((pixel / FINEST).max(1.0));
+        let worn = self.frame.ground.as_ref().map_or(0.0, |ground| worn(&ground.feet, place));
+        [1.0 + 0.18 * field + 0.32 * wide, 1.0 + 0.24 * field - 0.26 * wide, 1.0 + worn, octave]
     }
 
-    /// Reflectance of the ground: its texture, and its patches.
-    fn ground_albedo(&self, position: Vec3, distance: f32, ray: Vec3, [light, dry]: [f32; 2]) -> [f32; 3] {
+    /// Reflectance of the ground: its texture, tufts and patches of herbs.
+    fn ground_albedo(
+        &self,
+        position: Vec3,
+        distance: f32,
+        ray: Vec3,
+        [light, dry, worn, octave]: [f32; 4],
+    ) -> [f32; 3] {
         let Some(ground) = &self.frame.ground else { return [0.0; 3] };
+        let (dry, worn) = (dry - 1.0, (worn - 1.0).max(0.0));
         let pixel = distance / self.projection.pixels_per_metre;
         let texture = &self.textures[ground.texture as usize];
         let place = Vec2::new(position.x, position.z);
-        let uv = place / ground.tile;
         // A pixel on the ground is long and narrow; the mean of its sides keeps detail without crawling.
         let long = pixel / (-ray.y).max(1e-3);
         let footprint = (pixel * long).sqrt() / ground.tile;
-        let detail = texture.sample(uv, footprint);
         let mean = texture.mean();
-        let upright = if ground.blades > 0.0 { self.tufts(place, pixel, distance) * ground.blades } else { 0.0 };
-        let light = light + TUFTS * upright;
-        std::array::from_fn(|k| (detail[k] * light + mean[k] * dry * DRY[k]).max(0.15 * mean[k]))
+        // Where a repeat is a few pixels there is no detail left but the repeats.
+        let near = 1.0 - smooth_step(0.04, 0.10, footprint);
+        let detail = if near > 0.0 { texture.sample(place / ground.tile, footprint) } else { mean };
+        let upright = if ground.blades > 0.0 { self.tufts(place, octave) * ground.blades } else { 0.0 };
+        // A tuft hides what lies behind it, so patches end in tufts: what is seen lies nearer by its height over the slope.
+        let seen = place - self.atmosphere.ahead * (upright * TALL * ground.blades / (-ray.y).max(1e-3));
+        let [middle, small] = [(4.3, 4), (1.15, 3)].map(|(size, salt)| patches(seen / size, salt, long / size));
+        let light = light + 0.46 * middle + 0.42 * small + TUFTS * upright;
+        let grass = ground.blades * (1.0 - worn);
+        let straw = STRAWY + dry + 0.70 * (small - 0.7 * middle) + 0.25 * upright + ground.dormant * 0.58;
+        let straw = straw.clamp(0.0, 1.0) * grass;
+        std::array::from_fn(|k| {
+            let textured = mix(mean[k], detail[k], near) * light;
+            let rested = textured * mix(1.0, DULL[k], ground.dormant * grass);
+            let earth = SOIL[k] * (0.6 + 0.4 * textured / mean[k].max(1e-3));
+            let cover = mix(rested, mix(mean[k], textured, 0.7) * STRAW[k], straw);
+            mix(cover, earth, worn * ground.blades).max(0.15 * mean[k])
+        })
     }
 
     /// Noise of tufts that stand upright: each hides what lies behind it for as far as it is high over the slope of the look, so
-    /// on the ground it is drawn out away from the eye. Its size follows the pixels', by halves, so that it is never lost.
-    fn tufts(&self, place: Vec2, pixel: f32, distance: f32) -> f32 {
-        let forward = self.projection.axes.row(2);
-        let ahead = Vec2::new(forward[0], forward[2]).try_normalize(1e-6).unwrap_or_else(Vec2::x);
+    /// on the ground it is drawn out away from the eye, by as much as at the distance where its size is that of a pixel. Two sizes
+    /// are mixed as the distance grows, so that it is never lost and each stays where it is.
+    fn tufts(&self, place: Vec2, octave: f32) -> f32 {
+        let ahead = self.atmosphere.ahead;
         let (along, across) = (place.dot(&ahead), place.x * ahead.y - place.y * ahead.x);
-        let drawn_out = (0.4 * distance / self.projection.eye.y.max(0.1)).clamp(1.0, 24.0);
-        let octave = log2f((pixel / FINEST).max(1.0));
-        let level = octave as i32;
+        let level = (octave.max(0.0) as i32).min(20);
         let of = |level: i32| {
-            let size = 2.5 * FINEST * (1i32 << level.min(20)) as f32;
-            Lattice::new(40 + level as u64).gradient(across / size, along / (size * drawn_out))
+            let times = (1i32 << level) as f32;
+            let drawn_out = (0.5 * times * FINEST * self.projection.pixels_per_metre / self.projection.eye.y.max(0.1))
+                .clamp(1.0, 40.0);
+            let size = 2.5 * FINEST * times;
+            // A slant of its own keeps the lattice's rows from lying along the picture's.
+            let (u, v) = (across / size, along / (size * drawn_out));
+            Lattice::new(40 + level as u64).gradient(u + 0.24 * v, v - 0.15 * u)
         };
-        mix(of(level), of(level + 1), octave - level as f32)
+        let part = octave - level as f32;
+        if part <= 0.0 { of(level) } else { mix(of(level), of(level + 1), part) }
     }
 
     /// How a meadow meets the sun where an eye sees it, as a share of the irradiance across the beam, 0 to about 2: blades that
@@ -213,15 +238,81 @@ impl Prepared<'_> {
 }
 
 /// Width of a tuft that is told from others near by, metres.
-const FINEST: f32 = 0.012;
+const FINEST: f32 = 0.007;
 /// How much lighter and darker tufts are than the mean (judged).
 const TUFTS: f32 = 0.34;
 
-/// What dryness adds to the reflectance of each channel, over the mean's.
-const DRY: [f32; 3] = [0.95, 0.55, 0.40];
+/// Height of a tuft over the sward, metres, for a noise of 1.
+const TALL: f32 = 0.16;
+/// Metres from a trunk to where grass is whole again, for a thin one.
+const WORN: f32 = 0.45;
+/// Share of dry stalks and seed heads in a summer's meadow.
+const STRAWY: f32 = 0.16;
+/// Reflectance of dry grass over that of the meadow's mean, and of resting green grass over fresh.
+const STRAW: [f32; 3] = [2.10, 1.42, 2.60];
+const DULL: [f32; 3] = [1.00, 0.78, 1.25];
+/// Reflectance of trodden soil with crumbs of litter and moss (linear, judged).
+const SOIL: [f32; 3] = [0.085, 0.070, 0.042];
 
 /// Noise of mean 0 with features one unit across, that fades out where pixels are wider.
 fn patches(place: Vec2, salt: u64, pixel: f32) -> f32 {
     let seen = 1.0 - smooth_step(0.4, 1.5, pixel);
     if seen <= 0.0 { 0.0 } else { Lattice::new(salt).gradient(place.x, place.y) * seen }
+}
+
+/// Share of the sky's light that trunks (x, z, radius) leave on the ground at a place: an endless wall that spans the angle
+/// 2 asin(r / d) takes asin(r / d) / pi of the irradiance of an even sky.
+fn open_at_feet(feet: &[[f32; 3]], place: Vec2) -> f32 {
+    feet.iter().fold(1.0, |open, [x, z, radius]| {
+        let (away, reach) = ((place.x - x) * (place.x - x) + (place.y - z) * (place.y - z), REACH * radius);
+        if away > reach * reach {
+            return open;
+        }
+        let distance = away.sqrt();
+        // Less what is left at the reach, so that it ends there.
+        let taken = (asinf((radius / distance.max(*radius)).min(1.0)) - asinf(1.0 / REACH)) / PI;
+        // Between blades and litter at its very foot it is darker still (judged).
+        let crevice = 1.0 - 0.4 * (1.0 - smooth_step(0.0, 0.9 * radius + 0.06, distance - radius));
+        open * (1.0 - taken.max(0.0)) * crevice
+    })
+}
+
+/// Radii of a trunk within which it keeps light off the ground.
+const REACH: f32 = 16.0;
+
+/// How much of the ground's cover is worn away about trunks (x, z, radius), 0..1.
+fn worn(feet: &[[f32; 3]], place: Vec2) -> f32 {
+    feet.iter().fold(0.0f32, |worn, [x, z, radius]| {
+        let away = (place.x - x) * (place.x - x) + (place.y - z) * (place.y - z);
+        let reach = 2.0 * radius + WORN;
+        if away > reach * reach {
+            return worn;
+        }
+        let frayed = 0.35 * Lattice::new(9).gradient(place.x / 0.23, place.y / 0.23);
+        worn.max(0.85 * (1.0 - smooth_step(0.25, 1.0, (away.sqrt() - radius) / (reach - radius) + frayed)))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_trunk_darkens_the_ground_at_its_foot_and_nothing_far_away() {
+        let feet = [[1.0, 2.0, 0.2]];
+        let open = |distance: f32| open_at_feet(&feet, Vec2::new(1.0, 2.0 + distance));
+        let opens: Vec<f32> = (4..70).map(|step| open(0.05 * step as f32)).collect();
+        assert!(opens.windows(2).all(|pair| pair[0] <= pair[1] + 1e-6), "{opens:?}");
+        // At the wall itself, and within, half of the sky is hidden; away from the crevice the closed form holds.
+        assert!((open(0.1) - 0.6 * (0.5 + asinf(1.0 / REACH) / PI)).abs() < 1e-5);
+        assert!((open(1.0) - (1.0 - (asinf(0.2) - asinf(1.0 / REACH)) / PI)).abs() < 1e-5);
+        assert_eq!((open(4.0), open_at_feet(&[], Vec2::zeros())), (1.0, 1.0));
+    }
+
+    #[test]
+    fn grass_is_worn_at_a_trunk_s_foot_only() {
+        let feet = [[0.0, 0.0, 0.15]];
+        let worn = |distance: f32| worn(&feet, Vec2::new(distance, 0.0));
+        assert!(worn(0.15) > 0.3 && worn(0.9) == 0.0, "{} {}", worn(0.15), worn(0.9));
+    }
 }
