@@ -55,8 +55,24 @@ pub struct FrameReport {
     pub png: Option<String>,
     /// Name of the glTF file.
     pub gltf: Option<String>,
+    /// From where it was seen; none for a sheet, and where nothing was drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub view: Option<ViewReport>,
     /// Wall time of its own work, seconds; 0 for a frame that was there already.
     pub seconds: f64,
+}
+
+/// The camera and the sun of a frame, for those who light or lay other things to match: metres, y up.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ViewReport {
+    /// Where the eye is.
+    pub position: [f32; 3],
+    /// The point in the middle of the picture.
+    pub target: [f32; 3],
+    /// Angle from the picture's lower to its upper rim, degrees.
+    pub field_of_view: f32,
+    /// Unit vector to the sun.
+    pub sun: [f32; 3],
 }
 
 /// What was chosen for the error that a scene asks for. Errors are root mean squares in linear light.

@@ -73,7 +73,7 @@ const STAGE: [(&str, &str); 6] = [
     ("figures", "figures"),
 ];
 const LEFT_OUT: [(&str, &str); 2] = [("what", "text"), ("reason", "reason")];
-const FRAME: [(&str, &str); 11] = [
+const FRAME: [(&str, &str); 12] = [
     ("index", "whole"),
     ("day", "number"),
     ("date", "text?"),
@@ -84,6 +84,7 @@ const FRAME: [(&str, &str); 11] = [
     ("fall", "counts"),
     ("png", "text?"),
     ("gltf", "text?"),
+    ("view", "table"),
     ("seconds", "number"),
 ];
 

@@ -20,7 +20,7 @@ use crate::fall::Counts;
 use crate::frame::Frame;
 use crate::plan::{self, PlannedFrame};
 use crate::raster::{self, Drawing, Renderer, Wanted};
-use crate::report::{FrameReport, Report};
+use crate::report::{FrameReport, Report, ViewReport};
 use crate::scene::output::{Chart, Gltf};
 use crate::scene::{Scene, camera::Subject};
 use crate::season::{self, LeafStates};
@@ -54,6 +54,7 @@ struct Drawn {
     index: i64,
     states: CellStates,
     falls: CellFalls,
+    view: Option<ViewReport>,
     /// Wall time of the drawing, seconds.
     seconds: f64,
 }
@@ -175,7 +176,7 @@ impl<'a> Run<'a> {
         if let Some((seconds, figures)) = written.encoding {
             self.report.add("png", seconds, figures);
         }
-        self.note(frame.index, &frame.states, &frame.falls, frame.seconds + written.seconds);
+        self.note(&frame, frame.seconds + written.seconds);
         listeners.progress.tell(Event::Drawn { frame: frame.index });
         if is_repeated(frame.index) {
             self.repeated.insert(frame.index, written.files);
@@ -238,15 +239,16 @@ impl<'a> Run<'a> {
         let index = planned.index;
         let states = self.states(index);
         let falls = self.falls(index, &states);
+        let mut view = None;
         let made = match planned.same_as.and_then(|earlier| self.repeated.get(&earlier)) {
             Some(files) => {
                 let names = self.names.all(index);
                 let files = names.into_iter().zip(files).map(|(name, (_, bytes))| (name, bytes.clone())).collect();
                 Made { picture: None, files }
             }
-            None => self.made(index, stocks, &states, &falls)?,
+            None => self.made(index, stocks, (&states, &falls), &mut view)?,
         };
-        Ok((Drawn { index, states, falls, seconds: start.elapsed().as_secs_f64() }, made))
+        Ok((Drawn { index, states, falls, view, seconds: start.elapsed().as_secs_f64() }, made))
     }
 
     /// The picture and the files of a frame; none when nothing is drawn. A cell without a stock in `stocks` gets one for the time being.
@@ -254,8 +256,8 @@ impl<'a> Run<'a> {
         &mut self,
         index: i64,
         stocks: &[Option<Stock>],
-        states: &CellStates,
-        falls: &CellFalls,
+        (states, falls): (&CellStates, &CellFalls),
+        view: &mut Option<ViewReport>,
     ) -> Result<Made, Diagnostics> {
         let mut pictures = Vec::new();
         let mut deep = None;
@@ -285,6 +287,7 @@ impl<'a> Run<'a> {
                 }
                 _ => frame,
             };
+            *view = (self.cells.len() == 1).then(|| view_of(&frame));
             // One thread writes the glTF file while the others draw.
             let name = self.names.gltf(index);
             let output = &self.scene.output;
@@ -367,11 +370,13 @@ impl<'a> Run<'a> {
     pub fn count_kept(&mut self, index: i64) {
         let states = self.states(index);
         let falls = self.falls(index, &states);
-        self.note(index, &states, &falls, 0.0);
+        self.note(&Drawn { index, states, falls, view: None, seconds: 0.0 }, 0.0);
     }
 
     /// Adds a frame to the report and to the file of states. The counts are of all trees, and of all cells.
-    fn note(&mut self, index: i64, states: &CellStates, falls: &CellFalls, seconds: f64) {
+    fn note(&mut self, drawn: &Drawn, seconds: f64) {
+        let Drawn { index, states, falls, view, .. } = drawn;
+        let index = *index;
         // A moment's day is known to the cells.
         let shown = self.cells.first().map_or(self.scene, |cell| &cell.scene);
         let day = shown.time.at(index);
@@ -386,6 +391,7 @@ impl<'a> Run<'a> {
             fall: falls.iter().flatten().map(|falls| falls.counts).reduce(Counts::plus),
             png: self.names.png(index),
             gltf: self.names.gltf(index),
+            view: *view,
             seconds,
         };
         let drawn: usize = states.iter().flatten().map(|states| states.states.len()).sum();
@@ -427,6 +433,15 @@ fn rasterised(
         let figures = std::mem::take(&mut drawing.figures);
         Ok((drawing, figures.with("cpu_seconds", stopwatch::processor_seconds() - before)))
     })
+}
+
+fn view_of(frame: &Frame) -> ViewReport {
+    ViewReport {
+        position: frame.camera.position.into(),
+        target: frame.camera.target.into(),
+        field_of_view: frame.camera.field_of_view.to_degrees(),
+        sun: frame.sun.direction.into(),
+    }
 }
 
 fn layout_of(layout: Gltf) -> export::Layout {
