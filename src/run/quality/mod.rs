@@ -1,13 +1,14 @@
 //! Chooses what a scene's pictures are made with so that they stay within an error at the least cost.
 //!
-//! Three parts make the error of a picture, and they are independent. How far meshes are from finer ones, in pixels, times
-//! how steep the picture is (`shape`): that gives the vertices. The solver's tolerance, likewise. And samples, levels of detail
-//! and textures, which are measured on small pictures against one that is drawn many times as large (`probe`); a small picture
-//! has more edges for its pixels, so that what is measured there is an upper estimate. The frames that are looked at are the
-//! scene's first, middle and last, whichever are asked for, so that the choice is the same for every shard.
+//! Three parts make the error of a picture, and they are independent. The vertices of leaves: small pictures with leaves
+//! of some vertices are held against those with finer ones (`worn`), which sees rims, shapes and the shading that follows from
+//! them. The solver's tolerance: how far vertices may be off, in pixels, times how steep the picture is. And samples, levels of
+//! detail and textures, which are measured on small pictures against one that is drawn many times as large (`probe`); a small
+//! picture has more edges for its pixels, so that what is measured there is an upper estimate. The frames that are looked at
+//! are the scene's first, middle and last, whichever are asked for, so that the choice is the same for every shard.
 
 mod probe;
-mod shape;
+mod worn;
 
 use super::still::Still;
 use crate::base::diagnostic::Diagnostics;
@@ -20,7 +21,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// The share of the error asked for that is planned with.
 const PLANNED: f64 = 0.82;
 /// The most that meshes, and the solver, may take of it.
-const OF_SHAPE: f64 = 0.35;
+const OF_SHAPE: f64 = 0.5;
 const OF_SOLVER: f64 = 0.1;
 /// Tolerances of the solver, extents; coarser ones are no cheaper.
 const TOLERANCES: [f64; 6] = [1e-2, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6];
@@ -69,9 +70,11 @@ pub fn chosen(scene: &Scene, error: f64, limits: &Limits) -> Result<Chosen, Diag
     let (mut shape_square, mut solver_square) = (0.0f64, 0.0f64);
     for number in 0..scene.species.len() {
         // The steepest picture with the nearest leaves decides.
-        let sensitivity = probes.iter().map(|(_, probe)| probe.sensitivity(number)).fold(0.0, f64::max);
-        let Some((still, _)) = probes.iter().find(|(_, probe)| probe.sensitivity(number) > 0.0) else { continue };
-        let (leaf, shape, solver) = leaf(still, number, sensitivity, planned)?;
+        let of = |probe: &Probe| probe.sensitivity(number);
+        let steepest =
+            probes.iter_mut().filter(|(_, probe)| of(probe) > 0.0).max_by(|a, b| of(&a.1).total_cmp(&of(&b.1)));
+        let Some((still, probe)) = steepest else { continue };
+        let (leaf, shape, solver) = leaf((still, probe), number, planned)?;
         chosen.scene.species[number].leaf.vertices = leaf.vertices;
         chosen.scene.species[number].deform.shell.tolerance = leaf.tolerance;
         chosen.reached.leaves.push(leaf);
@@ -103,14 +106,24 @@ fn frames(scene: &Scene) -> BTreeSet<i64> {
 }
 
 /// The leaves of a species: what is chosen, and the errors of meshes and solver in the picture.
-fn leaf(still: &Still, number: usize, sensitivity: f64, planned: f64) -> Result<(ChosenLeaf, f64, f64), Diagnostics> {
-    let (vertices, metres) = shape::coarsest(still, number, planned * OF_SHAPE / sensitivity)?;
+fn leaf(
+    (still, probe): (&mut Still, &mut Probe),
+    number: usize,
+    planned: f64,
+) -> Result<(ChosenLeaf, f64, f64), Diagnostics> {
+    let sensitivity = probe.sensitivity(number);
     let species = &still.scene().species[number];
-    let extent = species.leaf.length * 1e-3;
+    let (label, extent) = (species.label().to_owned(), species.leaf.length * 1e-3);
     let of_solver = |tolerance: f64| tolerance * extent * sensitivity;
     let fine = TOLERANCES.into_iter().find(|&tolerance| of_solver(tolerance) <= planned * OF_SOLVER);
     let tolerance = fine.unwrap_or(TOLERANCES[TOLERANCES.len() - 1]);
-    let label = species.label().to_owned();
-    let chosen = ChosenLeaf { species: label, vertices, tolerance, shape_error_m: metres };
-    Ok((chosen, metres * sensitivity, of_solver(tolerance)))
+    let is_scan = species.leaf.picture.is_some() || species.assets.contains_key("leaf.picture");
+    let (vertices, of_shape) = if is_scan {
+        // A scan is traced anew for each mesh; its author's vertices stay.
+        (species.leaf.vertices, 0.0)
+    } else {
+        worn::fewest((still, probe), number, planned * OF_SHAPE)?
+    };
+    let chosen = ChosenLeaf { species: label, vertices, tolerance };
+    Ok((chosen, of_shape, of_solver(tolerance)))
 }

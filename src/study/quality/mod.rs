@@ -1,8 +1,10 @@
 //! The promise of `[quality] error`: what is asked for against what is reached, over a ladder of errors on several scenes.
 
+mod exact;
+
 use super::chart::{self, Curve};
 use super::desk::{Desk, bug};
-use super::linear::{Linear, reference};
+use super::linear::Linear;
 use super::numbers::shown;
 use super::stage::{BIRCH, LEAF, TREE, TWIG, WINTER, staged};
 use super::table::{Field, Table};
@@ -10,9 +12,9 @@ use crate::base::diagnostic::Diagnostics;
 use crate::report::Reached;
 use crate::run::progress::{Mode, Progress};
 use crate::run::signals::Signals;
-use crate::run::still::Still;
 use crate::run::{self, Options};
 use crate::scene::{self, Asset, Scene};
+use exact::{References, VERTICES};
 use std::fs;
 
 const COLUMNS: [&str; 14] = [
@@ -34,21 +36,6 @@ const COLUMNS: [&str; 14] = [
 /// The errors that are asked for.
 const ASKED: [f64; 6] = [0.1, 0.05, 0.03, 0.02, 0.01, 0.007];
 const FEW: [f64; 1] = [0.04];
-/// How much larger the references are drawn, and another that they are held against.
-const SIDES: [u32; 2] = [12, 9];
-const FEW_SIDES: [u32; 2] = [6, 5];
-/// Vertices (and those of a quick study) and tolerance of the references' leaves.
-const VERTICES: u32 = 4000;
-const FEW_VERTICES: u32 = 2000;
-const TOLERANCE: f64 = 1e-6;
-
-/// What a scene should look like with the textures that go with some vertices, and how far another reference is from that.
-struct Exact {
-    vertices: Vec<u32>,
-    picture: Linear,
-    floor: f64,
-}
-
 /// Runs the family, on the scene at hand if there is one.
 ///
 /// # Errors
@@ -68,11 +55,11 @@ pub fn study(desk: &mut Desk<'_>) -> Result<(), Diagnostics> {
     let (mut curves, mut broken, mut out_of_reach) = (Vec::new(), Vec::new(), Vec::new());
     let (mut floor, mut cheaper, mut settings) = (0.0f64, Vec::new(), Vec::new());
     for (name, scene) in &scenes {
-        let mut known: Vec<Exact> = Vec::new();
+        let mut references = References::new(desk, scene)?;
         let (mut points, mut work) = (Vec::new(), Vec::new());
         for &asked in if desk.request.quick { &FEW[..] } else { &ASKED[..] } {
             let (picture, told, seconds) = drawn(desk, scene, asked)?;
-            let exact = exact(desk, name, scene, &told, &mut known)?;
+            let exact = references.of(desk, name, &told)?;
             floor = floor.max(exact.floor);
             let reached = picture.distance(&exact.picture).rmse;
             let kept = reached <= asked;
@@ -168,41 +155,6 @@ fn recommendation(settings: &[(Reached, f64)]) -> String {
         ));
     }
     text
-}
-
-/// The picture with everything as fine as can be. Textures and camera are those that go with the vertices chosen: the spots of a
-/// leaf fall elsewhere on another mesh, and a camera that is fitted to a leaf follows its rim, which is no error.
-fn exact<'a>(
-    desk: &mut Desk<'_>,
-    name: &str,
-    scene: &Scene,
-    told: &Reached,
-    known: &'a mut Vec<Exact>,
-) -> Result<&'a Exact, Diagnostics> {
-    let vertices: Vec<u32> = told.leaves.iter().map(|leaf| leaf.vertices).collect();
-    if let Some(at) = known.iter().position(|exact| exact.vertices == vertices) {
-        return Ok(&known[at]);
-    }
-    desk.tell(&format!("quality {name}: reference"));
-    let mut still = Still::new(scene, 0, &desk.request.limits)?;
-    for (species, &vertices) in still.species_mut().iter_mut().zip(&vertices) {
-        species.leaf.vertices = vertices;
-    }
-    let (chosen, _) = still.frame()?;
-    for species in still.species_mut() {
-        species.leaf.vertices = if desk.request.quick { FEW_VERTICES } else { VERTICES };
-        species.deform.shell.tolerance = TOLERANCE;
-    }
-    let (mut frame, _) = still.frame()?;
-    if frame.textures.len() == chosen.textures.len() {
-        frame.textures = chosen.textures;
-    }
-    frame.camera = chosen.camera;
-    let sides = if desk.request.quick { FEW_SIDES } else { SIDES };
-    let picture = reference(&frame, sides[0], 16);
-    let floor = reference(&frame, sides[1], 8).distance(&picture).rmse;
-    known.push(Exact { vertices, picture, floor });
-    Ok(&known[known.len() - 1])
 }
 
 /// Renders the scene with an error asked for, as a run does; the picture that was written, what was told, and the seconds.
