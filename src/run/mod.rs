@@ -18,7 +18,7 @@ mod names;
 mod prediction;
 mod preparation;
 pub mod progress;
-mod quality;
+pub mod quality;
 mod shares_chart;
 pub mod signals;
 mod states_file;
@@ -39,6 +39,7 @@ use manifest::Key;
 use names::Names;
 use preparation::{Asked, Prepared};
 use progress::{Event, Progress};
+use quality::Chooser;
 use signals::Signals;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -143,6 +144,19 @@ pub fn render(
     progress: &mut Progress,
     signals: &Signals,
 ) -> Result<Outcome, Diagnostics> {
+    render_by(scene, options, (progress, signals), &mut Chooser::new(scene, &options.limits))
+}
+
+/// As [`render`], with a chooser of the scene's that may have chosen before.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_by(
+    scene: &Scene,
+    options: &Options,
+    (progress, signals): (&mut Progress, &Signals),
+    chooser: &mut Chooser,
+) -> Result<Outcome, Diagnostics> {
     let start = Instant::now();
     let frames = asked(scene, options)?;
     destination::check(scene, &options.out, options.states.as_deref())?;
@@ -156,7 +170,7 @@ pub fn render(
     let (kept, to_do): (Vec<i64>, Vec<i64>) = frames.iter().copied().partition(kept);
     progress.tell(Event::Started { frames: frames.len() as u64 });
     let chosen = match scene.quality.error.filter(|_| !to_do.is_empty() && scene.cell_count() == 0) {
-        Some(error) => Some(quality::chosen(scene, error, &options.limits)?),
+        Some(error) => Some(chooser.choose(error)?),
         None => None,
     };
     let enlarged = chosen.as_ref().map_or(1, |chosen| chosen.reached.enlarged);

@@ -17,6 +17,7 @@ use crate::report::{ChosenLeaf, Reached};
 use crate::scene::Scene;
 use probe::Probe;
 use std::collections::{BTreeMap, BTreeSet};
+use worn::Worn;
 
 /// The share of the error asked for that is planned with.
 const PLANNED: f64 = 0.82;
@@ -46,57 +47,87 @@ impl Chosen {
     }
 }
 
-/// Chooses for a scene and the error that its pictures may have.
-///
-/// # Errors
-/// What stops a run of the scene.
-pub fn chosen(scene: &Scene, error: f64, limits: &Limits) -> Result<Chosen, Diagnostics> {
-    let mut chosen = Chosen { scene: scene.clone(), reached: Reached { asked: error, ..Reached::default() } };
-    if !scene.output.png {
-        // Nothing is seen; a file of meshes keeps what the author set.
-        chosen.reached.is_within = true;
-        chosen.reached.samples = scene.image.samples;
-        chosen.reached.lod_error_px = scene.image.lod_error;
-        chosen.reached.enlarged = 1;
-        return Ok(chosen);
+/// Chooses for a scene, and keeps what it has measured for the next error.
+pub struct Chooser {
+    scene: Scene,
+    limits: Limits,
+    /// The moments that are looked at; none before the first choice.
+    moments: Vec<(Still, Probe)>,
+    /// Of each species.
+    worn: Vec<Worn>,
+}
+
+impl Chooser {
+    /// Of a scene; nothing is measured yet.
+    #[must_use]
+    pub fn new(scene: &Scene, limits: &Limits) -> Self {
+        let worn = scene.species.iter().map(|_| Worn::default()).collect();
+        Self { scene: scene.clone(), limits: limits.clone(), moments: Vec::new(), worn }
     }
-    let planned = error * PLANNED;
-    let mut probes = Vec::new();
-    for index in frames(scene) {
-        let still = Still::new(scene, index, limits)?;
-        let probe = Probe::new(&still, scene)?;
-        probes.push((still, probe));
+
+    /// Chooses for the error that pictures may have.
+    ///
+    /// # Errors
+    /// What stops a run of the scene.
+    pub fn choose(&mut self, error: f64) -> Result<Chosen, Diagnostics> {
+        let mut chosen = Chosen { scene: self.scene.clone(), reached: Reached { asked: error, ..Reached::default() } };
+        if !self.scene.output.png {
+            // Nothing is seen; a file of meshes keeps what the author set.
+            chosen.reached.is_within = true;
+            chosen.reached.samples = self.scene.image.samples;
+            chosen.reached.lod_error_px = self.scene.image.lod_error;
+            chosen.reached.enlarged = 1;
+            return Ok(chosen);
+        }
+        self.look()?;
+        let planned = error * PLANNED;
+        let (shape_square, solver_square) = self.leaves(planned, &mut chosen)?;
+        let room = (planned * planned - shape_square - solver_square).max(0.0).sqrt();
+        let (pixels, limits) = (self.scene.image.pixels(), &self.limits);
+        let fits = |times: u32| limits.allow(Limit::Pixels, "image", pixels * f64::from(times * times)).is_ok();
+        let mut probes: Vec<&mut Probe> = self.moments.iter_mut().map(|(_, probe)| probe).collect();
+        let (sampling, raster) = probe::cheapest(&mut probes, room, fits);
+        chosen.scene.image.samples = sampling.samples;
+        chosen.scene.image.lod_error = f64::from(sampling.lod_error());
+        let parts = [("leaf", shape_square.sqrt()), ("deform", solver_square.sqrt()), ("raster", raster)];
+        let reached = &mut chosen.reached;
+        reached.lod_error_px = f64::from(sampling.lod_error());
+        reached.stages = parts.map(|(name, part)| (name.to_owned(), part)).into_iter().collect::<BTreeMap<_, _>>();
+        (reached.samples, reached.enlarged) = (sampling.samples, sampling.enlarged);
+        reached.reached = (shape_square + solver_square + raster * raster).sqrt();
+        reached.is_within = reached.reached <= error;
+        Ok(chosen)
     }
-    let (mut shape_square, mut solver_square) = (0.0f64, 0.0f64);
-    for number in 0..scene.species.len() {
-        // The steepest picture with the nearest leaves decides.
-        let of = |probe: &Probe| probe.sensitivity(number);
-        let steepest =
-            probes.iter_mut().filter(|(_, probe)| of(probe) > 0.0).max_by(|a, b| of(&a.1).total_cmp(&of(&b.1)));
-        let Some((still, probe)) = steepest else { continue };
-        let (leaf, shape, solver) = leaf((still, probe), number, planned)?;
-        chosen.scene.species[number].leaf.vertices = leaf.vertices;
-        chosen.scene.species[number].deform.shell.tolerance = leaf.tolerance;
-        chosen.reached.leaves.push(leaf);
-        shape_square += shape * shape;
-        solver_square += solver * solver;
+
+    /// Draws the small pictures of all moments.
+    fn look(&mut self) -> Result<(), Diagnostics> {
+        if self.moments.is_empty() {
+            for index in frames(&self.scene) {
+                let still = Still::new(&self.scene, index, &self.limits)?;
+                let probe = Probe::new(&still, &self.scene)?;
+                self.moments.push((still, probe));
+            }
+        }
+        Ok(())
     }
-    let room = (planned * planned - shape_square - solver_square).max(0.0).sqrt();
-    let pixels = scene.image.pixels();
-    let fits = |times: u32| limits.allow(Limit::Pixels, "image", pixels * f64::from(times * times)).is_ok();
-    let mut probes: Vec<Probe> = probes.into_iter().map(|(_, probe)| probe).collect();
-    let (sampling, raster) = probe::cheapest(&mut probes, room, fits);
-    chosen.scene.image.samples = sampling.samples;
-    chosen.scene.image.lod_error = f64::from(sampling.lod_error());
-    chosen.reached.lod_error_px = f64::from(sampling.lod_error());
-    let reached = (shape_square + solver_square + raster * raster).sqrt();
-    let parts = [("leaf", shape_square.sqrt()), ("deform", solver_square.sqrt()), ("raster", raster)];
-    chosen.reached.stages = parts.map(|(name, part)| (name.to_owned(), part)).into_iter().collect::<BTreeMap<_, _>>();
-    chosen.reached.samples = sampling.samples;
-    chosen.reached.enlarged = sampling.enlarged;
-    chosen.reached.reached = reached;
-    chosen.reached.is_within = reached <= error;
-    Ok(chosen)
+
+    /// Chooses for the leaves of all species; the squares of what meshes and solver add.
+    fn leaves(&mut self, planned: f64, chosen: &mut Chosen) -> Result<(f64, f64), Diagnostics> {
+        let (mut of_shapes, mut of_solver) = (0.0, 0.0);
+        for (number, worn) in self.worn.iter_mut().enumerate() {
+            // The steepest picture with the nearest leaves decides.
+            let of = |probe: &Probe| probe.sensitivity(number);
+            let seen = self.moments.iter_mut().filter(|(_, probe)| of(probe) > 0.0);
+            let Some((still, probe)) = seen.max_by(|a, b| of(&a.1).total_cmp(&of(&b.1))) else { continue };
+            let (leaf, shape, solver) = leaf((still, probe), worn, number, planned)?;
+            chosen.scene.species[number].leaf.vertices = leaf.vertices;
+            chosen.scene.species[number].deform.shell.tolerance = leaf.tolerance;
+            chosen.reached.leaves.push(leaf);
+            of_shapes += shape * shape;
+            of_solver += solver * solver;
+        }
+        Ok((of_shapes, of_solver))
+    }
 }
 
 /// The frames that are looked at.
@@ -108,6 +139,7 @@ fn frames(scene: &Scene) -> BTreeSet<i64> {
 /// The leaves of a species: what is chosen, and the errors of meshes and solver in the picture.
 fn leaf(
     (still, probe): (&mut Still, &mut Probe),
+    worn: &mut Worn,
     number: usize,
     planned: f64,
 ) -> Result<(ChosenLeaf, f64, f64), Diagnostics> {
@@ -122,7 +154,7 @@ fn leaf(
         // A scan is traced anew for each mesh; its author's vertices stay.
         (species.leaf.vertices, 0.0)
     } else {
-        worn::fewest((still, probe), number, planned * OF_SHAPE)?
+        worn.fewest((still, probe), number, planned * OF_SHAPE)?
     };
     let chosen = ChosenLeaf { species: label, vertices, tolerance };
     Ok((chosen, of_shape, of_solver(tolerance)))

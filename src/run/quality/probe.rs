@@ -33,7 +33,7 @@ const FINEST_WORK: f64 = 1.2;
 /// Where more samples leave more than this share of the error, yet more are not tried: what is left is not theirs.
 const STALLED: f64 = 0.95;
 /// What pictures of leaves are drawn with to tell meshes apart.
-const OF_MESHES: Sampling = Sampling { samples: 16, enlarged: 4, lod: 0 };
+const OF_MESHES: Sampling = Sampling { samples: 8, enlarged: 4, lod: 0 };
 
 /// Samples of a pattern in a picture that is drawn larger, and levels of detail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -174,7 +174,7 @@ fn drawn(renderer: &mut Renderer, frame: &Frame, way: Sampling) -> Vec<[f32; 3]>
 }
 
 /// The cheapest way that stays within an error in all frames, and its error; the best of those tried when none does.
-pub fn cheapest(probes: &mut [Probe], room: f64, fits: impl Fn(u32) -> bool) -> (Sampling, f64) {
+pub fn cheapest(probes: &mut [&mut Probe], room: f64, fits: impl Fn(u32) -> bool) -> (Sampling, f64) {
     let mut worst = |way: Sampling| probes.iter_mut().map(|probe| probe.error(way)).fold(0.0, f64::max);
     let mut best = (Sampling { samples: SAMPLES[0], enlarged: 1, lod: USUAL }, f64::INFINITY);
     let mut tried: Vec<(Sampling, f64)> = Vec::new();
@@ -285,7 +285,7 @@ mod tests {
             1.0 / f64::from(way.samples * way.enlarged * way.enlarged) + 0.1 * way.lod.saturating_sub(USUAL) as f64
         };
         let found = |room: f64, fits: bool| {
-            let way = cheapest(&mut [probe(error)], room, |_| fits).0;
+            let way = cheapest(&mut [&mut probe(error)], room, |_| fits).0;
             (way.samples, way.enlarged, way.lod_error())
         };
         assert_eq!(found(0.13, true), (8, 1, 0.3));

@@ -41,13 +41,14 @@ pub const COLUMNS: [&str; 20] = [
 /// A problem's rows.
 pub fn rows_of(desk: &mut Desk<'_>, problem: &Problem, solved: &Solved, table: &mut Table) {
     let work = work_points(solved);
+    let named = |row: &Row| (counted_name(problem, row.way), row.seconds());
+    let instructions = count::instructions(desk, &solved.rows.iter().map(named).collect::<Vec<_>>());
     for (number, row) in solved.rows.iter().enumerate() {
         let (steps, factorisations) = row.run.as_ref().map_or((0, 0), |run| (run.steps, run.factorisations));
         let strain = row.run.as_ref().map(|run| run.strains.iter().copied().fold(0.0, f64::max));
         let is_newton = row.way.method == Method::Newton;
         let status = if row.run.is_none() { "diverged" } else { "ok" };
         let number_or_none = |value: f64| Field::Number(value.is_finite().then_some(value));
-        let instructions = count::instructions(desk, &counted_name(problem, row.way), row.seconds());
         table.push(vec![
             "deform".into(),
             problem.name.as_str().into(),
@@ -60,7 +61,7 @@ pub fn rows_of(desk: &mut Desk<'_>, problem: &Problem, solved: &Solved, table: &
             steps.into(),
             factorisations.into(),
             (if is_newton { 0 } else { steps }).into(),
-            instructions.map_or(Field::Number(None), Field::Count),
+            instructions[number].map_or(Field::Number(None), Field::Count),
             (row.seconds() * 1e3).into(),
             (row.times.seconds[0] * 1e3).into(),
             (row.times.seconds[2] * 1e3).into(),

@@ -14,7 +14,7 @@ const FEW_SIDES: [u32; 2] = [6, 5];
 /// Vertices (and those of a quick study) and tolerance of the references' leaves.
 pub const VERTICES: u32 = 4000;
 const FEW_VERTICES: u32 = 2000;
-const TOLERANCE: f64 = 1e-6;
+const TOLERANCE: f64 = 1e-5;
 
 /// What a scene should look like with the textures that go with some vertices, and how far another reference is from that.
 pub struct Exact {

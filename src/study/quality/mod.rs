@@ -11,6 +11,7 @@ use super::table::{Field, Table};
 use crate::base::diagnostic::Diagnostics;
 use crate::report::Reached;
 use crate::run::progress::{Mode, Progress};
+use crate::run::quality::Chooser;
 use crate::run::signals::Signals;
 use crate::run::{self, Options};
 use crate::scene::{self, Asset, Scene};
@@ -42,7 +43,7 @@ const FEW: [f64; 1] = [0.04];
 /// Scenes that cannot be made, files that cannot be written.
 pub fn study(desk: &mut Desk<'_>) -> Result<(), Diagnostics> {
     let own = desk.request.subject.as_ref().map(|subject| (subject.scene.name.clone(), subject.scene.clone()));
-    let scenes: Vec<(String, Scene)> = match own {
+    let mut scenes: Vec<(String, Scene)> = match own {
         Some(own) => vec![own],
         None => {
             let all = [("leaf", LEAF), ("tree", TREE), ("birch", BIRCH), ("twig", TWIG), ("winter", WINTER)];
@@ -54,11 +55,14 @@ pub fn study(desk: &mut Desk<'_>) -> Result<(), Diagnostics> {
     let mut table = Table::new(&COLUMNS);
     let (mut curves, mut broken, mut out_of_reach) = (Vec::new(), Vec::new(), Vec::new());
     let (mut floor, mut cheaper, mut settings) = (0.0f64, Vec::new(), Vec::new());
-    for (name, scene) in &scenes {
+    for (name, scene) in &mut scenes {
+        // Nothing but the picture is judged.
+        (scene.output.gltf, scene.output.inset) = (None, false);
         let mut references = References::new(desk, scene)?;
+        let mut chooser = Chooser::new(scene, &desk.request.limits);
         let (mut points, mut work) = (Vec::new(), Vec::new());
         for &asked in if desk.request.quick { &FEW[..] } else { &ASKED[..] } {
-            let (picture, told, seconds) = drawn(desk, scene, asked)?;
+            let (picture, told, seconds) = drawn(desk, scene, asked, &mut chooser)?;
             let exact = references.of(desk, name, &told)?;
             floor = floor.max(exact.floor);
             let reached = picture.distance(&exact.picture).rmse;
@@ -131,42 +135,57 @@ pub fn study(desk: &mut Desk<'_>) -> Result<(), Diagnostics> {
     Ok(())
 }
 
-/// The cheapest settings that were seen to reach each error, as lines to be written into the scene.
+/// The cheapest settings that were seen to reach errors, as lines to be written into the scene, the coarsest first; settings
+/// that were chosen for several errors stand once, with the least of them.
 fn recommendation(settings: &[(Reached, f64)]) -> String {
-    let mut text =
-        "The cheapest settings that were measured to stay within an error (or write `[quality] error` and have them \
-                    chosen):\n"
-            .to_owned();
+    let mut lines: Vec<(String, String)> = Vec::new();
     for (told, reached) in settings {
-        let leaf = told.leaves.first();
-        let leaf = leaf.map_or_else(String::new, |leaf| {
-            format!(", leaf.vertices = {}, deform.shell.tolerance = {}", leaf.vertices, leaf.tolerance)
-        });
-        let (samples, lod) = (told.samples, told.lod_error_px);
-        let large = match told.enlarged {
-            1 => String::new(),
-            times => format!(", drawn {times} times as large (only `[quality] error` does that)"),
-        };
-        let within = if *reached <= told.asked { "" } else { ": NOT REACHED" };
-        text.push_str(&format!(
-            "\n- {}{within} ({} measured): image.samples = {samples}, image.lod_error = {lod:.1}{leaf}{large}",
-            told.asked,
-            shown(*reached)
-        ));
+        let line = format!("`{}`{}", setting(told), enlarged(told));
+        let fit = if *reached <= told.asked { "reaches" } else { "MISSES" };
+        let text = format!("\n- {fit} {} ({} measured): {line}", told.asked, shown(*reached));
+        lines.retain(|(known, _)| *known != line);
+        lines.push((line, text));
+    }
+    let texts: Vec<String> = lines.into_iter().map(|(_, text)| text).collect();
+    "Write `[quality] error` into the scene and have them chosen, or set what was chosen here:\n".to_owned()
+        + &texts.concat()
+}
+
+/// What was chosen, as assignments of a scene.
+fn setting(told: &Reached) -> String {
+    let (samples, lod) = (told.samples, shown(told.lod_error_px));
+    let mut text = format!("image.samples = {samples}, image.lod_error = {lod}");
+    // Species have their own tables in a scene of several; there the names tell which.
+    let is_one = told.leaves.len() == 1;
+    for leaf in &told.leaves {
+        let name = if is_one { String::new() } else { format!("{}: ", leaf.species) };
+        let tolerance = shown(leaf.tolerance);
+        text.push_str(&format!(", {name}leaf.vertices = {}, deform.shell.tolerance = {tolerance}", leaf.vertices));
     }
     text
 }
 
+fn enlarged(told: &Reached) -> String {
+    match told.enlarged {
+        1 => String::new(),
+        times => format!(", drawn {times} times as large (which only `[quality] error` does)"),
+    }
+}
+
 /// Renders the scene with an error asked for, as a run does; the picture that was written, what was told, and the seconds.
-fn drawn(desk: &Desk<'_>, scene: &Scene, asked: f64) -> Result<(Linear, Reached, f64), Diagnostics> {
+fn drawn(
+    desk: &Desk<'_>,
+    scene: &Scene,
+    asked: f64,
+    chooser: &mut Chooser,
+) -> Result<(Linear, Reached, f64), Diagnostics> {
     let mut scene = scene.clone();
     scene.quality.error = Some(asked);
-    (scene.output.gltf, scene.output.inset) = (None, false);
     let out = desk.request.out.join("quality-scratch");
     let _ = fs::remove_dir_all(&out);
     let options = Options { out: out.clone(), force: true, limits: desk.request.limits.clone(), ..Options::default() };
     let options = Options { frames: Some("0".parse().map_err(|_| bug("a frame list"))?), ..options };
-    let outcome = run::render(&scene, &options, &mut Progress::new(Mode::None), &Signals::default())?;
+    let outcome = run::render_by(&scene, &options, (&mut Progress::new(Mode::None), &Signals::default()), chooser)?;
     let name = outcome.report.frames.first().and_then(|frame| frame.png.clone()).unwrap_or_default();
     let picture = scene::read_picture(&Asset::outside(&out.join(name)), &desk.request.limits)?;
     let _ = fs::remove_dir_all(&out);
