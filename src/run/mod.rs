@@ -39,7 +39,7 @@ use manifest::Key;
 use names::Names;
 use preparation::{Asked, Prepared};
 use progress::{Event, Progress};
-use quality::Chooser;
+use quality::{Chooser, Chosen};
 use signals::Signals;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -144,10 +144,11 @@ pub fn render(
     progress: &mut Progress,
     signals: &Signals,
 ) -> Result<Outcome, Diagnostics> {
-    render_by(scene, options, (progress, signals), &mut Chooser::new(scene, &options.limits))
+    let choose = |error: f64| Chooser::new(scene, &options.limits).choose(error);
+    render_by(scene, options, (progress, signals), choose)
 }
 
-/// As [`render`], with a chooser of the scene's that may have chosen before.
+/// As [`render`], where `choose` tells what keeps within the error that the scene asks for.
 ///
 /// # Errors
 /// As [`render`].
@@ -155,7 +156,7 @@ pub fn render_by(
     scene: &Scene,
     options: &Options,
     (progress, signals): (&mut Progress, &Signals),
-    chooser: &mut Chooser,
+    choose: impl FnOnce(f64) -> Result<Chosen, Diagnostics>,
 ) -> Result<Outcome, Diagnostics> {
     let start = Instant::now();
     let frames = asked(scene, options)?;
@@ -170,7 +171,7 @@ pub fn render_by(
     let (kept, to_do): (Vec<i64>, Vec<i64>) = frames.iter().copied().partition(kept);
     progress.tell(Event::Started { frames: frames.len() as u64 });
     let chosen = match scene.quality.error.filter(|_| !to_do.is_empty() && scene.cell_count() == 0) {
-        Some(error) => Some(chooser.choose(error)?),
+        Some(error) => Some(choose(error)?),
         None => None,
     };
     let enlarged = chosen.as_ref().map_or(1, |chosen| chosen.reached.enlarged);

@@ -63,7 +63,7 @@ impl Worn {
         if finer.textures.len() == own.textures.len() {
             finer.textures.clone_from(&own.textures);
         }
-        finer.camera = own.camera.clone();
+        finer.camera = own.camera;
         let error = probe.apart(own, &finer) * FARTHER;
         self.errors.insert(vertices, error);
         Ok(error)

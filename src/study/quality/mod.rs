@@ -185,7 +185,8 @@ fn drawn(
     let _ = fs::remove_dir_all(&out);
     let options = Options { out: out.clone(), force: true, limits: desk.request.limits.clone(), ..Options::default() };
     let options = Options { frames: Some("0".parse().map_err(|_| bug("a frame list"))?), ..options };
-    let outcome = run::render_by(&scene, &options, (&mut Progress::new(Mode::None), &Signals::default()), chooser)?;
+    let watched = (&mut Progress::new(Mode::None), &Signals::default());
+    let outcome = run::render_by(&scene, &options, watched, |error| chooser.choose(error))?;
     let name = outcome.report.frames.first().and_then(|frame| frame.png.clone()).unwrap_or_default();
     let picture = scene::read_picture(&Asset::outside(&out.join(name)), &desk.request.limits)?;
     let _ = fs::remove_dir_all(&out);
