@@ -5,6 +5,7 @@ use super::desk::Desk;
 use super::fan;
 use super::linear::{Linear, reference, structural_similarity};
 use super::numbers::{beaten_by, quantiles, shown, slope};
+use super::own;
 use super::stage::{self, staged};
 use super::table::{Field, Table};
 use super::timing::{Case, Effort, Times, measured};
@@ -59,10 +60,10 @@ struct Subject {
 ///
 /// # Errors
 /// Scenes that cannot be made, files that cannot be written.
-pub fn study(desk: &mut Desk<'_>, own: Option<&Scene>) -> Result<(), Diagnostics> {
+pub fn study(desk: &mut Desk<'_>, of: Option<&Scene>) -> Result<(), Diagnostics> {
     let mut subjects = Vec::new();
-    match own {
-        Some(scene) => subjects.push(of_scene(desk, &scene.name, scene)?),
+    match of {
+        Some(scene) => subjects.push(of_scene(desk, &scene.name, &own::pictured(scene, desk.request.quick))?),
         None => {
             let exact = fan::coverage();
             subjects.push(Subject { name: "fan".to_owned(), frame: fan::frame(), exact, floor: 0.0 });
@@ -89,19 +90,26 @@ pub fn study(desk: &mut Desk<'_>, own: Option<&Scene>) -> Result<(), Diagnostics
         left_out: &["random and jittered samples: of the patterns tried before, rooks cost least and are as good"],
     };
     desk.write_chart("raster", &chart::chart(&frame, &curves))?;
-    judge(desk, &subjects, &curves, own.is_none());
+    judge(desk, &subjects, &curves, of.is_none());
     judge_levels(desk, &subjects, &levels);
     let columns = ["scene", "spp", "lod_error_px", "triangles_drawn", "rmse_linear", "relmse", "flip_mean", "flip_p95"];
     let columns = [&columns[..], &["ssim", "own_estimate", "cpu_ms", "ratio_to_1spp"]].concat();
     let text = format!(
-        "The fan's reference is its coverage in closed form; those of the others are drawn {} times as large and averaged \
-         in linear light. `own_estimate` is what the rasteriser itself tells of its antialiasing (before the tone \
+        "{}References are drawn {} times as large and averaged in linear light, but the fan's, which is its coverage in closed \
+         form. `own_estimate` is what the rasteriser itself tells of its antialiasing (before the tone \
          curve).\n\n![error against samples](raster.png)\n\n{}",
+        of.map_or_else(String::new, |_| size_told(&subjects[0].frame)),
         sides(desk, &subjects[subjects.len() - 1].frame)[0],
         table.markdown(&columns)
     );
     desk.section("Pictures", &text);
     Ok(())
+}
+
+/// In what size a scene of the user's is drawn.
+fn size_told(frame: &Frame) -> String {
+    let (width, height) = (frame.view.width, frame.view.height);
+    format!("Drawn in {width} x {height} pixels; larger pictures have fewer edges for their pixels and err less. ")
 }
 
 /// The two sides by which a frame's references are enlarged.

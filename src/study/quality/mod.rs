@@ -6,6 +6,7 @@ use super::chart::{self, Curve};
 use super::desk::{Desk, bug};
 use super::linear::Linear;
 use super::numbers::shown;
+use super::own;
 use super::stage::{BIRCH, LEAF, TREE, TWIG, WINTER, staged};
 use super::table::{Field, Table};
 use crate::base::diagnostic::Diagnostics;
@@ -37,12 +38,21 @@ const COLUMNS: [&str; 14] = [
 /// The errors that are asked for.
 const ASKED: [f64; 6] = [0.1, 0.05, 0.03, 0.02, 0.01, 0.007];
 const FEW: [f64; 1] = [0.04];
+const FEW_OF_OWN: [f64; 2] = [0.05, 0.02];
+
 /// Runs the family, on the scene at hand if there is one.
 ///
 /// # Errors
 /// Scenes that cannot be made, files that cannot be written.
 pub fn study(desk: &mut Desk<'_>) -> Result<(), Diagnostics> {
-    let own = desk.request.subject.as_ref().map(|subject| (subject.scene.name.clone(), subject.scene.clone()));
+    let quick = desk.request.quick;
+    let pictured = |scene: &Scene| (scene.name.clone(), own::pictured(scene, quick));
+    let own = desk.request.subject.as_ref().map(|subject| pictured(&subject.scene));
+    let asked = match (quick, &own) {
+        (true, None) => &FEW[..],
+        (true, Some(_)) => &FEW_OF_OWN[..],
+        (false, _) => &ASKED[..],
+    };
     let mut scenes: Vec<(String, Scene)> = match own {
         Some(own) => vec![own],
         None => {
@@ -61,7 +71,7 @@ pub fn study(desk: &mut Desk<'_>) -> Result<(), Diagnostics> {
         let mut references = References::new(desk, scene)?;
         let mut chooser = Chooser::new(scene, &desk.request.limits);
         let (mut points, mut work) = (Vec::new(), Vec::new());
-        for &asked in if desk.request.quick { &FEW[..] } else { &ASKED[..] } {
+        for &asked in asked {
             let (picture, told, seconds) = drawn(desk, scene, asked, &mut chooser)?;
             let exact = references.of(desk, name, &told)?;
             floor = floor.max(exact.floor);
@@ -130,14 +140,15 @@ pub fn study(desk: &mut Desk<'_>) -> Result<(), Diagnostics> {
     );
     desk.section("The error that a scene asks for", &text);
     if desk.request.subject.is_some() {
-        desk.section("Recommendation", &recommendation(&settings));
+        let [width, height] = [scenes[0].1.image.width, scenes[0].1.image.height];
+        desk.section("Recommendation", &recommendation(&settings, [width, height]));
     }
     Ok(())
 }
 
 /// The cheapest settings that were seen to reach errors, as lines to be written into the scene, the coarsest first; settings
 /// that were chosen for several errors stand once, with the least of them.
-fn recommendation(settings: &[(Reached, f64)]) -> String {
+fn recommendation(settings: &[(Reached, f64)], [width, height]: [u32; 2]) -> String {
     let mut lines: Vec<(String, String)> = Vec::new();
     for (told, reached) in settings {
         let line = format!("`{}`{}", setting(told), enlarged(told));
@@ -147,8 +158,10 @@ fn recommendation(settings: &[(Reached, f64)]) -> String {
         lines.push((line, text));
     }
     let texts: Vec<String> = lines.into_iter().map(|(_, text)| text).collect();
-    "Write `[quality] error` into the scene and have them chosen, or set what was chosen here:\n".to_owned()
-        + &texts.concat()
+    format!(
+        "Write `[quality] error` into the scene, or set what it chose here for a picture of {width} x {height} pixels:\n{}",
+        texts.concat()
+    )
 }
 
 /// What was chosen, as assignments of a scene.
