@@ -7,7 +7,7 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 /// Rows longer than this are not counted: valgrind is some twenty times slower, seconds.
-const LONGEST: f64 = 0.5;
+const LONGEST: f64 = 0.25;
 
 /// Instructions of a process that does no row; none when they cannot be counted.
 static NOTHING: OnceLock<Option<u64>> = OnceLock::new();
