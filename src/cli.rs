@@ -1,5 +1,6 @@
 //! The command line: what it takes and the plain values it becomes. Nothing is read, written or run here.
 
+use crate::base::family::Family;
 use crate::base::limits::{ALL_LIMITS, Limit, Limits};
 use crate::run::frame_list::{FrameList, Shard};
 use crate::run::progress::Mode;
@@ -180,30 +181,6 @@ pub struct Study {
     /// Does the work of one row and nothing else, for its instructions to be counted.
     #[arg(long, value_name = "NAME", hide = true)]
     pub row: Option<String>,
-}
-
-/// The families of studies.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
-pub enum Family {
-    /// Ways to a leaf's shape: error against work.
-    Deform,
-    /// How long a step may be, and the matrix of stiff and extreme cases.
-    Stability,
-    /// The seasons' chain: the paper's step against the exact law.
-    Chain,
-    /// Meshes of blades: vertices against error.
-    Mesh,
-    /// Pictures: samples and level of detail against error.
-    Raster,
-    /// What scenes do not need, left out and measured.
-    LeftOut,
-    /// The error that scenes ask for against the one they get.
-    Quality,
-    /// The species as trees at 10, 25 and 60 years: stature, leaves, crown.
-    Trees,
-    /// All of them.
-    #[default]
-    All,
 }
 
 /// `leafseason new`.

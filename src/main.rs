@@ -11,8 +11,8 @@ use leafseason::run::progress::{Event, Progress};
 use leafseason::run::signals::Signals;
 use leafseason::run::{self, Options};
 use leafseason::scene::{self, Asset, Scene};
-use leafseason::study::desk::{Family, Request, Subject};
-use leafseason::{cli, compare, species, study};
+use leafseason::study::desk::{Request, Subject};
+use leafseason::{compare, species, study};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -230,7 +230,7 @@ fn study(arguments: &Study) -> Result<u8, Diagnostics> {
     limits.set(Limit::Memory, limits.get(Limit::Memory).min(memory::available(rayon::current_num_threads())));
     let request = Request {
         out: arguments.out.clone(),
-        families: families(arguments.family),
+        family: arguments.family,
         quick: arguments.quick,
         subject,
         program: std::env::current_exe().ok(),
@@ -240,21 +240,6 @@ fn study(arguments: &Study) -> Result<u8, Diagnostics> {
     let report = arguments.out.join("report.md");
     print(&format!("{}\n", message::shown(&report.to_string_lossy(), 1000)))?;
     Ok(u8::from(!passes))
-}
-
-fn families(asked: cli::Family) -> Vec<Family> {
-    use cli::Family as Asked;
-    match asked {
-        Asked::Deform => vec![Family::Deform],
-        Asked::Stability => vec![Family::Stability],
-        Asked::Chain => vec![Family::Chain],
-        Asked::Mesh => vec![Family::Mesh],
-        Asked::Raster => vec![Family::Raster],
-        Asked::LeftOut => vec![Family::LeftOut],
-        Asked::Quality => vec![Family::Quality],
-        Asked::Trees => vec![Family::Trees],
-        Asked::All => study::desk::ALL.to_vec(),
-    }
 }
 
 /// Reads a scene with its arguments and prints its warnings.

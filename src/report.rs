@@ -106,8 +106,6 @@ pub struct ChosenLeaf {
     pub vertices: u32,
     /// Tolerance of its shapes, extents of the blade.
     pub tolerance: f64,
-    /// How far its meshes are from finer ones, root mean square, metres.
-    pub shape_error_m: f64,
 }
 
 /// The report of a run.

@@ -5,6 +5,7 @@ pub mod blade;
 pub mod calendar;
 pub mod diagnostic;
 pub mod encoding;
+pub mod family;
 pub mod figures;
 pub mod flat_mesh;
 pub mod limits;

@@ -25,8 +25,15 @@ const FEATURE_EXPONENT: f32 = 0.5;
 
 /// Mean FLIP error of two pictures of one size, given in linear sRGB 0..1, row by row.
 pub(super) fn flip(a: &[[f32; 3]], b: &[[f32; 3]], width: usize) -> f64 {
-    if a.is_empty() {
-        return 0.0;
+    let rows: Vec<f64> = flip_map(a, b, width).chunks(width.max(1)).map(|row| row.iter().sum::<f64>()).collect();
+    rows.iter().sum::<f64>() / a.len().max(1) as f64
+}
+
+/// FLIP error of each pixel, 0..1, of two pictures of one size, given in linear sRGB 0..1, row by row.
+#[must_use]
+pub fn flip_map(a: &[[f32; 3]], b: &[[f32; 3]], width: usize) -> Vec<f64> {
+    if a.is_empty() || a.len() != b.len() {
+        return Vec::new();
     }
     let (eye_a, eye_b) = (Seen::of(a, width), Seen::of(b, width));
     let largest = powf(hyab(hunt_lab([0.0, 1.0, 0.0]), hunt_lab([0.0, 0.0, 1.0])), COLOUR_EXPONENT);
@@ -36,11 +43,7 @@ pub(super) fn flip(a: &[[f32; 3]], b: &[[f32; 3]], width: usize) -> f64 {
         let feature = powf(change * std::f32::consts::FRAC_1_SQRT_2, FEATURE_EXPONENT).min(1.0);
         f64::from(powf(colour, 1.0 - feature))
     };
-    let rows: Vec<f64> = (0..a.len() / width)
-        .into_par_iter()
-        .map(|row| (row * width..(row + 1) * width).map(error).sum::<f64>())
-        .collect();
-    rows.iter().sum::<f64>() / a.len() as f64
+    (0..a.len()).into_par_iter().with_min_len(width).map(error).collect()
 }
 
 /// What the observer perceives of a picture.
@@ -78,6 +81,17 @@ mod tests {
 
     fn checks(width: usize, colours: [[f32; 3]; 2]) -> Vec<[f32; 3]> {
         (0..width * width).map(|i| colours[(i % width / 5 + i / width / 5) % 2]).collect()
+    }
+
+    #[test]
+    fn the_mean_is_that_of_the_map_and_what_is_alike_has_no_error() {
+        let (a, mut b) = (checks(12, [[0.1; 3], [0.7; 3]]), checks(12, [[0.1; 3], [0.7; 3]]));
+        assert!(flip_map(&a, &b, 12).iter().all(|error| *error == 0.0));
+        b[5] = [0.9, 0.1, 0.1];
+        let map = flip_map(&a, &b, 12);
+        assert!(map.len() == a.len() && map.iter().all(|error| (0.0..=1.0).contains(error)) && map[5] > 0.2);
+        assert!((flip(&a, &b, 12) - map.iter().sum::<f64>() / map.len() as f64).abs() < 1e-12);
+        assert!(flip_map(&a, &b[1..], 12).is_empty());
     }
 
     #[test]

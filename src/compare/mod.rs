@@ -11,4 +11,4 @@ mod flip;
 mod plane;
 
 pub use comparison::{Comparison, SizesDiffer, compare};
-pub use flip::PIXELS_PER_DEGREE;
+pub use flip::{PIXELS_PER_DEGREE, flip_map};

@@ -19,7 +19,7 @@ mod names;
 mod prediction;
 mod preparation;
 pub mod progress;
-mod quality;
+pub mod quality;
 mod shares_chart;
 pub mod signals;
 mod states_file;
@@ -40,6 +40,7 @@ use manifest::Key;
 use names::Names;
 use preparation::{Asked, Prepared};
 use progress::{Event, Progress};
+use quality::{Chooser, Chosen};
 use signals::Signals;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -144,6 +145,20 @@ pub fn render(
     progress: &mut Progress,
     signals: &Signals,
 ) -> Result<Outcome, Diagnostics> {
+    let choose = |error: f64| Chooser::new(scene, &options.limits).choose(error);
+    render_by(scene, options, (progress, signals), choose)
+}
+
+/// As [`render`], where `choose` tells what keeps within the error that the scene asks for.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_by(
+    scene: &Scene,
+    options: &Options,
+    (progress, signals): (&mut Progress, &Signals),
+    choose: impl FnOnce(f64) -> Result<Chosen, Diagnostics>,
+) -> Result<Outcome, Diagnostics> {
     let start = Instant::now();
     let frames = asked(scene, options)?;
     destination::check(scene, &options.out, options.states.as_deref())?;
@@ -157,7 +172,7 @@ pub fn render(
     let (kept, to_do): (Vec<i64>, Vec<i64>) = frames.iter().copied().partition(kept);
     progress.tell(Event::Started { frames: frames.len() as u64 });
     let chosen = match scene.quality.error.filter(|_| !to_do.is_empty() && scene.cell_count() == 0) {
-        Some(error) => Some(quality::chosen(scene, error, &options.limits)?),
+        Some(error) => Some(choose(error)?),
         None => None,
     };
     let enlarged = chosen.as_ref().map_or(1, |chosen| chosen.reached.enlarged);

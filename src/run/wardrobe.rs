@@ -90,17 +90,6 @@ pub fn wardrobe(
     Ok(wardrobe)
 }
 
-/// The blade of a species without a scan, with the mask that it names, if it names one.
-///
-/// # Errors
-/// Outlines that cannot be meshed, masks that cannot be read, limits.
-pub fn plain_blade(species: &Species, limits: &Limits) -> Result<Blade, Diagnostics> {
-    let asset = species.assets.get("leaf.mask");
-    let mask = asset.map(|asset| scene::read_picture(asset, limits)).transpose().map_err(Diagnostics::from)?;
-    let pictures = Pictures { mask: mask.as_ref(), ..Pictures::default() };
-    leaf::model(&species.leaf, pictures, limits).map(|made| made.0).map_err(|error| fault::leaf(species, &error))
-}
-
 /// Adds to the trees' figures what takes blades to know: the mean area of a blade, and the one-sided area of all blades in
 /// full leaf over the ground below the crowns, m2/m2 (Watson 1947), crown by crown.
 fn note_leaf_area(leaves: usize, area: f64, report: &mut Report) {

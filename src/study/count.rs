@@ -2,27 +2,34 @@
 
 use super::desk::Desk;
 use super::{deform, environment};
-use std::cell::OnceCell;
+use rayon::prelude::*;
 use std::process::Command;
+use std::sync::OnceLock;
 
 /// Rows longer than this are not counted: valgrind is some twenty times slower, seconds.
-const LONGEST: f64 = 0.5;
+const LONGEST: f64 = 0.25;
 
-thread_local! {
-    /// Instructions of a process that does no row; none when they cannot be counted.
-    static NOTHING: OnceCell<Option<u64>> = const { OnceCell::new() };
-}
+/// Instructions of a process that does no row; none when they cannot be counted.
+static NOTHING: OnceLock<Option<u64>> = OnceLock::new();
 
-/// Instructions of a row's work, on one thread; `None` in a quick study, without valgrind, and for rows that take long.
-pub fn instructions(desk: &mut Desk<'_>, row: &str, seconds: f64) -> Option<u64> {
-    let program = desk.request.program.as_ref().filter(|_| !desk.request.quick && desk.request.subject.is_none())?;
-    if seconds > LONGEST {
-        return None;
+/// Instructions of the work of rows, given with the seconds they take, each on one thread, several at a time: nothing that
+/// runs beside changes a count. `None` in a quick study, without valgrind, and for rows that take long.
+pub fn instructions(desk: &mut Desk<'_>, rows: &[(String, f64)]) -> Vec<Option<u64>> {
+    let none = || vec![None; rows.len()];
+    let request = desk.request;
+    let Some(program) = request.program.as_ref().filter(|_| !request.quick && request.subject.is_none()) else {
+        return none();
+    };
+    let nothing = NOTHING.get_or_init(|| environment::valgrind().and_then(|_| counted(program, "nothing")));
+    let Some(nothing) = *nothing else { return none() };
+    let is_short = |(_, seconds): &&(String, f64)| *seconds <= LONGEST;
+    for (row, _) in rows.iter().filter(is_short) {
+        desk.tell(&format!("counting the instructions of {row}"));
     }
-    let nothing = NOTHING
-        .with(|nothing| *nothing.get_or_init(|| environment::valgrind().and_then(|_| counted(program, "nothing"))))?;
-    desk.tell(&format!("counting the instructions of {row}"));
-    Some(counted(program, row)?.saturating_sub(nothing))
+    let count = |row: &(String, f64)| {
+        Some(row).filter(is_short).and_then(|(row, _)| Some(counted(program, row)?.saturating_sub(nothing)))
+    };
+    rows.par_iter().map(count).collect()
 }
 
 fn counted(program: &std::path::Path, row: &str) -> Option<u64> {

@@ -3,6 +3,7 @@
 use super::environment;
 use super::table::Table;
 use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault};
+use crate::base::family::Family;
 use crate::base::limits::Limits;
 use crate::base::message;
 use crate::export;
@@ -10,39 +11,6 @@ use crate::plot::{self, Plot};
 use crate::run::files;
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
-
-/// What is studied.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Family {
-    /// Ways to a leaf's shape: error against work.
-    Deform,
-    /// How long a step may be, and what happens to stiff and extreme cases.
-    Stability,
-    /// The chain of the seasons: the paper's step against the exact law.
-    Chain,
-    /// Meshes of blades: vertices against error.
-    Mesh,
-    /// Pictures: samples and level of detail against error.
-    Raster,
-    /// What a scene does not need, left out and measured.
-    LeftOut,
-    /// The error that a scene asks for against the one it gets.
-    Quality,
-    /// The species as trees.
-    Trees,
-}
-
-/// All families, those that take longest last.
-pub const ALL: [Family; 8] = [
-    Family::Chain,
-    Family::Stability,
-    Family::Mesh,
-    Family::Raster,
-    Family::Deform,
-    Family::LeftOut,
-    Family::Quality,
-    Family::Trees,
-];
 
 /// A scene that is studied.
 #[derive(Clone, Debug)]
@@ -61,7 +29,7 @@ pub struct Request {
     /// The folder for the files.
     pub out: PathBuf,
     /// What is studied.
-    pub families: Vec<Family>,
+    pub family: Family,
     /// Whether costly rows are left out.
     pub quick: bool,
     /// The scene whose leaf, chain and camera are studied; built-in problems without one.
@@ -108,7 +76,7 @@ impl<'a> Desk<'a> {
     /// Whether a family is asked for.
     #[must_use]
     pub fn has(&self, family: Family) -> bool {
-        self.request.families.contains(&family)
+        self.request.family.includes(family)
     }
 
     /// Tells of a row.

@@ -149,7 +149,8 @@ fn rounds(desk: &mut Desk<'_>, (name, settings): (&str, &Settings), table: &mut 
 
 fn graded(desk: &mut Desk<'_>, trials: &[Trial<'_>], table: &mut Table) -> Result<Vec<Grade>, Diagnostics> {
     let cases: Vec<Case<'_>> = trials.iter().map(|trial| Case::new(move || trial.digest())).collect();
-    let effort = Effort { budget: 1.0, ..Effort::of(desk.request.quick) };
+    let effort = Effort::of(desk.request.quick);
+    let effort = Effort { budget: effort.budget.min(0.5), ..effort };
     let times = measured(&cases, effort);
     let mut grades = Vec::new();
     for (trial, times) in trials.iter().zip(times) {

@@ -39,8 +39,9 @@ mod timing;
 pub mod trees;
 
 use crate::base::diagnostic::Diagnostics;
+use crate::base::family::Family;
 pub use count::do_row;
-use desk::{Desk, Family, Request};
+use desk::{Desk, Request};
 use own::Own;
 
 /// Runs the families that are asked for; whether every line passes. `tell` is told of each row.
@@ -67,7 +68,7 @@ pub fn run(request: &Request, tell: &mut dyn FnMut(&str)) -> Result<bool, Diagno
         deform::study(&mut desk, own.bending)?;
     }
     // What is stable does not depend on a scene.
-    if desk.has(Family::Stability) && is_free(request.families.len() == 1) {
+    if desk.has(Family::Stability) && is_free(request.family != Family::All) {
         stability::study(&mut desk)?;
         matrix::study(&mut desk)?;
     }

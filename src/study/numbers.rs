@@ -5,10 +5,16 @@ use crate::base::maths::ln;
 /// Lower quartile, median and upper quartile, interpolated between neighbours; zeros without values.
 #[must_use]
 pub fn quartiles(values: &[f64]) -> [f64; 3] {
+    quantiles(values, [0.25, 0.5, 0.75])
+}
+
+/// The values below which these shares of all lie, interpolated between neighbours; zeros without values.
+#[must_use]
+pub fn quantiles<const N: usize>(values: &[f64], shares: [f64; N]) -> [f64; N] {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
-    let Some(last) = sorted.len().checked_sub(1) else { return [0.0; 3] };
-    [0.25, 0.5, 0.75].map(|share| {
+    let Some(last) = sorted.len().checked_sub(1) else { return [0.0; N] };
+    shares.map(|share| {
         let place = share * last as f64;
         let (low, high) = (sorted[place.floor() as usize], sorted[place.ceil() as usize]);
         low + (high - low) * place.fract()

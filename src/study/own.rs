@@ -11,6 +11,28 @@ use crate::leaf::{self, Pictures};
 use crate::run::still::Still;
 use crate::scene::{Scene, Species};
 
+/// Most pixels of a picture of the user's in a study: references have many times as many.
+const PIXELS: f64 = 120_000.0;
+const FEW_PIXELS: f64 = 24_000.0;
+
+/// Width and height of a scene's picture in a study.
+#[must_use]
+pub fn sides(scene: &Scene, quick: bool) -> [u32; 2] {
+    let most = if quick { FEW_PIXELS } else { PIXELS };
+    let share = (most / scene.image.pixels()).sqrt().min(1.0);
+    [scene.image.width, scene.image.height].map(|side| ((f64::from(side) * share) as u32).max(1))
+}
+
+/// A scene as a study draws it: its first cell if it is a sheet, no larger than a study can afford, and nothing but the picture.
+#[must_use]
+pub fn pictured(scene: &Scene, quick: bool) -> Scene {
+    let [width, height] = sides(scene, quick);
+    let mut own = if scene.cell_count() > 0 { scene.cell(0, [width, height]) } else { scene.clone() };
+    (own.image.width, own.image.height) = (width, height);
+    (own.output.png, own.output.gltf, own.output.inset) = (true, None, false);
+    own
+}
+
 /// The parts of a scene that can be studied; what cannot is told in the report.
 #[derive(Default)]
 pub struct Own {

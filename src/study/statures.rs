@@ -4,6 +4,7 @@ use super::desk::{Desk, bug};
 use super::trees::{self, Failure};
 use super::{csv, table};
 use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault};
+use crate::base::family::Family;
 use crate::base::message;
 use crate::run::fault;
 use crate::scene::{self, Scene};
@@ -19,7 +20,7 @@ pub fn study(desk: &mut Desk<'_>) -> Result<(), Diagnostics> {
     let is_scanned = |scene: &&Scene| scene.species.iter().any(|species| species.assets.contains_key("leaf.picture"));
     if let Some(scene) = scene.filter(is_scanned) {
         let what = "the study of trees measures leaves by their outline, and here is a scan";
-        if request.families.len() > 1 {
+        if request.family == Family::All {
             desk.section("Trees", &format!("Left out: {what}."));
             return Ok(());
         }
@@ -42,7 +43,7 @@ pub fn study(desk: &mut Desk<'_>) -> Result<(), Diagnostics> {
     let missed = lines.iter().filter(|line| !line.is_met()).count();
     let found = format!("{} of {} figures", lines.len() - missed, lines.len());
     // Beside other families the figures are told: many of their ranges are judgements.
-    if request.families.len() == 1 {
+    if request.family != Family::All {
         desk.judge("T1", missed == 0, "the figures of trees lie in the ranges of floras and judgement", found.clone());
     }
     desk.section("Trees", &format!("{found} lie in their ranges.\n\n```text\n{}```", table(&lines)));

@@ -62,7 +62,7 @@ impl Effort {
     /// Three rounds for a quick study, fifteen for a full one, fewer for what is slow.
     #[must_use]
     pub fn of(quick: bool) -> Self {
-        if quick { Self { rounds: 3, budget: 0.3 } } else { Self { rounds: 15, budget: 6.0 } }
+        if quick { Self { rounds: 3, budget: 0.3 } } else { Self { rounds: 15, budget: 4.0 } }
     }
 }
 

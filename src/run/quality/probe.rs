@@ -14,8 +14,11 @@ use crate::scene::image::SAMPLES;
 
 /// Pixels of a small picture, and of the smaller one beside it.
 const PIXELS: f64 = 24_000.0;
-/// How much larger in each direction the picture is drawn that others are held against.
-const REFERENCE: u32 = 6;
+/// How much larger in each direction the picture is drawn that others are held against, and another that it is held against.
+const REFERENCE: u32 = 8;
+const OTHER: u32 = 5;
+/// The reference's own error over its distance from the other: both miss by themselves, as the width of their pixels.
+const OF_OTHER: f64 = 0.53;
 /// Enlargements that are tried.
 const ENLARGED: [u32; 4] = [1, 2, 3, 4];
 /// Of the exponent by which the error falls from a smaller picture to a larger one, the share that is counted on, and its most.
@@ -25,6 +28,12 @@ const STEEPEST: f64 = 0.5;
 /// Errors in pixels that levels of detail may make, the finest first, and the number of the usual one.
 const LOD_ERRORS: [f32; 4] = [0.0, 0.3, 0.6, 1.2];
 const USUAL: usize = 1;
+/// Work of a picture with the finest levels over that with the usual ones (measured on trees).
+const FINEST_WORK: f64 = 1.2;
+/// Where more samples leave more than this share of the error, yet more are not tried: what is left is not theirs.
+const STALLED: f64 = 0.95;
+/// What pictures of leaves are drawn with to tell meshes apart.
+const OF_MESHES: Sampling = Sampling { samples: 8, enlarged: 4, lod: 0 };
 
 /// Samples of a pattern in a picture that is drawn larger, and levels of detail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,12 +52,14 @@ impl Sampling {
         LOD_ERRORS[self.lod]
     }
 
-    /// The ways with the usual levels of detail, cheapest first: by the work of their pixels and samples.
+    /// The ways with the usual and finer levels of detail, cheapest first: by the work of their pixels and samples.
     fn all() -> Vec<Self> {
-        let mut all: Vec<Self> = ENLARGED
-            .iter()
-            .flat_map(|&enlarged| SAMPLES.iter().map(move |&samples| Self { samples, enlarged, lod: USUAL }))
-            .collect();
+        let with = |lod: usize| {
+            ENLARGED
+                .iter()
+                .flat_map(move |&enlarged| SAMPLES.iter().map(move |&samples| Self { samples, enlarged, lod }))
+        };
+        let mut all: Vec<Self> = (0..=USUAL).flat_map(with).collect();
         all.sort_by(|a, b| a.work().total_cmp(&b.work()));
         all
     }
@@ -56,7 +67,13 @@ impl Sampling {
     /// Work in that of a pixel with one sample: a pixel's shading costs as much as some thirty samples, for each sixteen of them.
     fn work(self) -> f64 {
         let shadings = f64::from(self.samples.div_ceil(16));
-        f64::from(self.enlarged * self.enlarged) * (30.0 * shadings + f64::from(self.samples))
+        let levels = if self.lod < USUAL { FINEST_WORK } else { 1.0 };
+        levels * f64::from(self.enlarged * self.enlarged) * (30.0 * shadings + f64::from(self.samples))
+    }
+
+    /// Whether it differs from another way in samples alone.
+    fn is_of_row(self, other: Self) -> bool {
+        (self.enlarged, self.lod) == (other.enlarged, other.lod)
     }
 }
 
@@ -64,11 +81,15 @@ impl Sampling {
 struct Small {
     frame: Frame,
     exact: Vec<[f32; 3]>,
+    /// How far that is from what it should be.
+    own: f64,
 }
 
 /// A frame's small pictures: the larger, and where it is smaller than the frame itself one of half its sides.
 pub struct Probe {
     pictures: Vec<Small>,
+    /// Sides of the first over those of the frame.
+    share: f64,
     /// How much larger in each direction the frame is than the first.
     times: f64,
     renderer: Renderer,
@@ -96,12 +117,19 @@ impl Probe {
         let steepness = steepness(&first.exact, first.frame.view.width as usize);
         let times = f64::from(frame.view.width) / f64::from(first.frame.view.width);
         let pixels_per_metre = (0..scene.species.len()).map(|number| pixels_per_metre(&frame, still, number)).collect();
-        Ok(Self { pictures, times, renderer, known: Vec::new(), steepness, pixels_per_metre })
+        Ok(Self { pictures, share, times, renderer, known: Vec::new(), steepness, pixels_per_metre })
     }
 
     /// Root mean square change of the picture for each metre that the leaves of a species are off.
     pub fn sensitivity(&self, species: usize) -> f64 {
         self.steepness * self.pixels_per_metre.get(species).copied().unwrap_or(0.0)
+    }
+
+    /// How far two frames are apart when they are drawn in the frame's own size. Rims that are a little apart cover a share of
+    /// the picture that falls as its sides grow, by steps that grow as they do: together as the root of its sides.
+    pub fn apart(&mut self, a: &Frame, b: &Frame) -> f64 {
+        let [a, b] = [a, b].map(|frame| drawn(&mut self.renderer, &sized(frame, self.share), OF_MESHES));
+        distance(&a, &b) * self.times.sqrt()
     }
 
     /// The error of a way, foreseen of the frame in its own size.
@@ -123,13 +151,17 @@ impl Probe {
 impl Small {
     fn new(renderer: &mut Renderer, frame: Frame) -> Self {
         let most = SAMPLES.iter().copied().max().unwrap_or(1).min(16);
-        let way = Sampling { samples: most, enlarged: REFERENCE, lod: 0 };
-        let exact = drawn(renderer, &frame, way);
-        Self { frame, exact }
+        let [exact, other] = [REFERENCE, OTHER].map(|enlarged| {
+            let way = Sampling { samples: most, enlarged, lod: 0 };
+            drawn(renderer, &frame, way)
+        });
+        let own = OF_OTHER * distance(&other, &exact);
+        Self { frame, exact, own }
     }
 
     fn error(&self, renderer: &mut Renderer, way: Sampling) -> f64 {
-        distance(&drawn(renderer, &self.frame, way), &self.exact)
+        let found = distance(&drawn(renderer, &self.frame, way), &self.exact);
+        (found * found + self.own * self.own).sqrt()
     }
 }
 
@@ -142,11 +174,19 @@ fn drawn(renderer: &mut Renderer, frame: &Frame, way: Sampling) -> Vec<[f32; 3]>
 }
 
 /// The cheapest way that stays within an error in all frames, and its error; the best of those tried when none does.
-pub fn cheapest(probes: &mut [Probe], room: f64, fits: impl Fn(u32) -> bool) -> (Sampling, f64) {
+pub fn cheapest(probes: &mut [&mut Probe], room: f64, fits: impl Fn(u32) -> bool) -> (Sampling, f64) {
     let mut worst = |way: Sampling| probes.iter_mut().map(|probe| probe.error(way)).fold(0.0, f64::max);
     let mut best = (Sampling { samples: SAMPLES[0], enlarged: 1, lod: USUAL }, f64::INFINITY);
+    let mut tried: Vec<(Sampling, f64)> = Vec::new();
     for way in Sampling::all().into_iter().filter(|way| way.enlarged == 1 || fits(way.enlarged)) {
+        let mut row = tried.iter().rev().filter(|(other, _)| way.is_of_row(*other)).map(|(_, error)| error);
+        if let (Some(last), Some(before)) = (row.next(), row.next())
+            && *last > STALLED * before
+        {
+            continue;
+        }
         let error = worst(way);
+        tried.push((way, error));
         if error < best.1 {
             best = (way, error);
         }
@@ -155,7 +195,8 @@ pub fn cheapest(probes: &mut [Probe], room: f64, fits: impl Fn(u32) -> bool) -> 
         }
     }
     // Coarser levels where they fit too.
-    for lod in (USUAL + 1..LOD_ERRORS.len()).rev() {
+    let coarser = if best.0.lod == USUAL { USUAL + 1..LOD_ERRORS.len() } else { 0..0 };
+    for lod in coarser.rev() {
         let coarser = Sampling { lod, ..best.0 };
         let error = worst(coarser);
         if error <= room {
@@ -232,7 +273,7 @@ mod tests {
         let known = ways.flat_map(|way| (0..LOD_ERRORS.len()).map(move |lod| Sampling { lod, ..way }));
         let known = known.map(|way| (way, error(way))).collect();
         let (pictures, renderer) = (Vec::new(), Renderer::default());
-        Probe { pictures, times: 1.0, renderer, known, steepness: 1.0, pixels_per_metre: vec![2.0] }
+        Probe { pictures, share: 1.0, times: 1.0, renderer, known, steepness: 1.0, pixels_per_metre: vec![2.0] }
     }
 
     #[test]
@@ -244,7 +285,7 @@ mod tests {
             1.0 / f64::from(way.samples * way.enlarged * way.enlarged) + 0.1 * way.lod.saturating_sub(USUAL) as f64
         };
         let found = |room: f64, fits: bool| {
-            let way = cheapest(&mut [probe(error)], room, |_| fits).0;
+            let way = cheapest(&mut [&mut probe(error)], room, |_| fits).0;
             (way.samples, way.enlarged, way.lod_error())
         };
         assert_eq!(found(0.13, true), (8, 1, 0.3));

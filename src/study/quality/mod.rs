@@ -1,18 +1,22 @@
 //! The promise of `[quality] error`: what is asked for against what is reached, over a ladder of errors on several scenes.
 
+mod exact;
+
 use super::chart::{self, Curve};
 use super::desk::{Desk, bug};
-use super::linear::{Linear, reference};
+use super::linear::Linear;
 use super::numbers::shown;
+use super::own;
 use super::stage::{BIRCH, LEAF, TREE, TWIG, WINTER, staged};
 use super::table::{Field, Table};
 use crate::base::diagnostic::Diagnostics;
 use crate::report::Reached;
 use crate::run::progress::{Mode, Progress};
+use crate::run::quality::Chooser;
 use crate::run::signals::Signals;
-use crate::run::still::Still;
 use crate::run::{self, Options};
 use crate::scene::{self, Asset, Scene};
+use exact::{References, VERTICES};
 use std::fs;
 
 const COLUMNS: [&str; 14] = [
@@ -34,28 +38,22 @@ const COLUMNS: [&str; 14] = [
 /// The errors that are asked for.
 const ASKED: [f64; 6] = [0.1, 0.05, 0.03, 0.02, 0.01, 0.007];
 const FEW: [f64; 1] = [0.04];
-/// How much larger the references are drawn, and another that they are held against.
-const SIDES: [u32; 2] = [12, 9];
-const FEW_SIDES: [u32; 2] = [6, 5];
-/// Vertices (and those of a quick study) and tolerance of the references' leaves.
-const VERTICES: u32 = 4000;
-const FEW_VERTICES: u32 = 2000;
-const TOLERANCE: f64 = 1e-6;
-
-/// What a scene should look like with the textures that go with some vertices, and how far another reference is from that.
-struct Exact {
-    vertices: Vec<u32>,
-    picture: Linear,
-    floor: f64,
-}
+const FEW_OF_OWN: [f64; 2] = [0.05, 0.02];
 
 /// Runs the family, on the scene at hand if there is one.
 ///
 /// # Errors
 /// Scenes that cannot be made, files that cannot be written.
 pub fn study(desk: &mut Desk<'_>) -> Result<(), Diagnostics> {
-    let own = desk.request.subject.as_ref().map(|subject| (subject.scene.name.clone(), subject.scene.clone()));
-    let scenes: Vec<(String, Scene)> = match own {
+    let quick = desk.request.quick;
+    let pictured = |scene: &Scene| (scene.name.clone(), own::pictured(scene, quick));
+    let own = desk.request.subject.as_ref().map(|subject| pictured(&subject.scene));
+    let asked = match (quick, &own) {
+        (true, None) => &FEW[..],
+        (true, Some(_)) => &FEW_OF_OWN[..],
+        (false, _) => &ASKED[..],
+    };
+    let mut scenes: Vec<(String, Scene)> = match own {
         Some(own) => vec![own],
         None => {
             let all = [("leaf", LEAF), ("tree", TREE), ("birch", BIRCH), ("twig", TWIG), ("winter", WINTER)];
@@ -67,12 +65,15 @@ pub fn study(desk: &mut Desk<'_>) -> Result<(), Diagnostics> {
     let mut table = Table::new(&COLUMNS);
     let (mut curves, mut broken, mut out_of_reach) = (Vec::new(), Vec::new(), Vec::new());
     let (mut floor, mut cheaper, mut settings) = (0.0f64, Vec::new(), Vec::new());
-    for (name, scene) in &scenes {
-        let mut known: Vec<Exact> = Vec::new();
+    for (name, scene) in &mut scenes {
+        // Nothing but the picture is judged.
+        (scene.output.gltf, scene.output.inset) = (None, false);
+        let mut references = References::new(desk, scene)?;
+        let mut chooser = Chooser::new(scene, &desk.request.limits);
         let (mut points, mut work) = (Vec::new(), Vec::new());
-        for &asked in if desk.request.quick { &FEW[..] } else { &ASKED[..] } {
-            let (picture, told, seconds) = drawn(desk, scene, asked)?;
-            let exact = exact(desk, name, scene, &told, &mut known)?;
+        for &asked in asked {
+            let (picture, told, seconds) = drawn(desk, scene, asked, &mut chooser)?;
+            let exact = references.of(desk, name, &told)?;
             floor = floor.max(exact.floor);
             let reached = picture.distance(&exact.picture).rmse;
             let kept = reached <= asked;
@@ -139,82 +140,66 @@ pub fn study(desk: &mut Desk<'_>) -> Result<(), Diagnostics> {
     );
     desk.section("The error that a scene asks for", &text);
     if desk.request.subject.is_some() {
-        desk.section("Recommendation", &recommendation(&settings));
+        let [width, height] = [scenes[0].1.image.width, scenes[0].1.image.height];
+        desk.section("Recommendation", &recommendation(&settings, [width, height]));
     }
     Ok(())
 }
 
-/// The cheapest settings that were seen to reach each error, as lines to be written into the scene.
-fn recommendation(settings: &[(Reached, f64)]) -> String {
-    let mut text =
-        "The cheapest settings that were measured to stay within an error (or write `[quality] error` and have them \
-                    chosen):\n"
-            .to_owned();
+/// The cheapest settings that were seen to reach errors, as lines to be written into the scene, the coarsest first; settings
+/// that were chosen for several errors stand once, with the least of them.
+fn recommendation(settings: &[(Reached, f64)], [width, height]: [u32; 2]) -> String {
+    let mut lines: Vec<(String, String)> = Vec::new();
     for (told, reached) in settings {
-        let leaf = told.leaves.first();
-        let leaf = leaf.map_or_else(String::new, |leaf| {
-            format!(", leaf.vertices = {}, deform.shell.tolerance = {}", leaf.vertices, leaf.tolerance)
-        });
-        let (samples, lod) = (told.samples, told.lod_error_px);
-        let large = match told.enlarged {
-            1 => String::new(),
-            times => format!(", drawn {times} times as large (only `[quality] error` does that)"),
-        };
-        let within = if *reached <= told.asked { "" } else { ": NOT REACHED" };
-        text.push_str(&format!(
-            "\n- {}{within} ({} measured): image.samples = {samples}, image.lod_error = {lod:.1}{leaf}{large}",
-            told.asked,
-            shown(*reached)
-        ));
+        let line = format!("`{}`{}", setting(told), enlarged(told));
+        let fit = if *reached <= told.asked { "reaches" } else { "MISSES" };
+        let text = format!("\n- {fit} {} ({} measured): {line}", told.asked, shown(*reached));
+        lines.retain(|(known, _)| *known != line);
+        lines.push((line, text));
+    }
+    let texts: Vec<String> = lines.into_iter().map(|(_, text)| text).collect();
+    format!(
+        "Write `[quality] error` into the scene, or set what it chose here for a picture of {width} x {height} pixels:\n{}",
+        texts.concat()
+    )
+}
+
+/// What was chosen, as assignments of a scene.
+fn setting(told: &Reached) -> String {
+    let (samples, lod) = (told.samples, shown(told.lod_error_px));
+    let mut text = format!("image.samples = {samples}, image.lod_error = {lod}");
+    // Species have their own tables in a scene of several; there the names tell which.
+    let is_one = told.leaves.len() == 1;
+    for leaf in &told.leaves {
+        let name = if is_one { String::new() } else { format!("{}: ", leaf.species) };
+        let tolerance = shown(leaf.tolerance);
+        text.push_str(&format!(", {name}leaf.vertices = {}, deform.shell.tolerance = {tolerance}", leaf.vertices));
     }
     text
 }
 
-/// The picture with everything as fine as can be. Textures and camera are those that go with the vertices chosen: the spots of a
-/// leaf fall elsewhere on another mesh, and a camera that is fitted to a leaf follows its rim, which is no error.
-fn exact<'a>(
-    desk: &mut Desk<'_>,
-    name: &str,
-    scene: &Scene,
-    told: &Reached,
-    known: &'a mut Vec<Exact>,
-) -> Result<&'a Exact, Diagnostics> {
-    let vertices: Vec<u32> = told.leaves.iter().map(|leaf| leaf.vertices).collect();
-    if let Some(at) = known.iter().position(|exact| exact.vertices == vertices) {
-        return Ok(&known[at]);
+fn enlarged(told: &Reached) -> String {
+    match told.enlarged {
+        1 => String::new(),
+        times => format!(", drawn {times} times as large (which only `[quality] error` does)"),
     }
-    desk.tell(&format!("quality {name}: reference"));
-    let mut still = Still::new(scene, 0, &desk.request.limits)?;
-    for (species, &vertices) in still.species_mut().iter_mut().zip(&vertices) {
-        species.leaf.vertices = vertices;
-    }
-    let (chosen, _) = still.frame()?;
-    for species in still.species_mut() {
-        species.leaf.vertices = if desk.request.quick { FEW_VERTICES } else { VERTICES };
-        species.deform.shell.tolerance = TOLERANCE;
-    }
-    let (mut frame, _) = still.frame()?;
-    if frame.textures.len() == chosen.textures.len() {
-        frame.textures = chosen.textures;
-    }
-    frame.camera = chosen.camera;
-    let sides = if desk.request.quick { FEW_SIDES } else { SIDES };
-    let picture = reference(&frame, sides[0], 16);
-    let floor = reference(&frame, sides[1], 8).distance(&picture).rmse;
-    known.push(Exact { vertices, picture, floor });
-    Ok(&known[known.len() - 1])
 }
 
 /// Renders the scene with an error asked for, as a run does; the picture that was written, what was told, and the seconds.
-fn drawn(desk: &Desk<'_>, scene: &Scene, asked: f64) -> Result<(Linear, Reached, f64), Diagnostics> {
+fn drawn(
+    desk: &Desk<'_>,
+    scene: &Scene,
+    asked: f64,
+    chooser: &mut Chooser,
+) -> Result<(Linear, Reached, f64), Diagnostics> {
     let mut scene = scene.clone();
     scene.quality.error = Some(asked);
-    (scene.output.gltf, scene.output.inset) = (None, false);
     let out = desk.request.out.join("quality-scratch");
     let _ = fs::remove_dir_all(&out);
     let options = Options { out: out.clone(), force: true, limits: desk.request.limits.clone(), ..Options::default() };
     let options = Options { frames: Some("0".parse().map_err(|_| bug("a frame list"))?), ..options };
-    let outcome = run::render(&scene, &options, &mut Progress::new(Mode::None), &Signals::default())?;
+    let watched = (&mut Progress::new(Mode::None), &Signals::default());
+    let outcome = run::render_by(&scene, &options, watched, |error| chooser.choose(error))?;
     let name = outcome.report.frames.first().and_then(|frame| frame.png.clone()).unwrap_or_default();
     let picture = scene::read_picture(&Asset::outside(&out.join(name)), &desk.request.limits)?;
     let _ = fs::remove_dir_all(&out);
