@@ -3,9 +3,6 @@
 use super::ExportError;
 use super::png::check_size;
 
-/// Whether the program can write OpenEXR.
-pub const HAS_EXR: bool = cfg!(feature = "exr");
-
 /// Encodes pixels as red, green, blue and alpha of 32-bit floating point numbers, rows from the top: linear sRGB primaries, not
 /// clipped. Colours are multiplied by their alpha, as the format has it.
 ///

@@ -20,7 +20,7 @@ mod placement;
 mod png;
 
 pub use error::ExportError;
-pub use exr::{HAS_EXR, exr};
+pub use exr::exr;
 pub use glb::{Layout, glb};
 pub use placement::Placement;
 pub use png::{grey_8, grey_16, plain, png, png_16};

@@ -24,6 +24,8 @@ const SUN_RADIUS: f32 = 0.004_63;
 const TURNS: usize = 64;
 /// Texels along one side of a block.
 const BLOCK: usize = 16;
+/// Blocks along one side of a tile.
+const BLOCKS: usize = SIDE / BLOCK;
 /// Turn between successive taps of a Vogel spiral (the golden angle).
 const GOLDEN_ANGLE: f32 = 2.399_963;
 
@@ -31,7 +33,10 @@ const GOLDEN_ANGLE: f32 = 2.399_963;
 pub(super) struct ShadowMap {
     projection: Projection,
     size: usize,
-    nearness: Vec<f32>,
+    /// Tiles in a row.
+    columns: usize,
+    /// The tiles, row by row; empty where nothing stands.
+    tiles: Vec<Vec<f32>>,
     /// The largest nearness in each block of texels, row by row: where it is below a point's, nothing shades the point.
     nearest_in_blocks: Vec<f32>,
     /// Where the taps lie in a disc of radius 1, in each of their turns.
@@ -51,21 +56,18 @@ impl ShadowMap {
         let bins = Bins::new(frame, &frame.instances, meshes, &projection, [size as u32; 2], LOD_ERROR);
         let rooms = Rooms::new(|| (Nearest::<1>::new(), Scratch::default()));
         let tile = |number: usize| {
+            let (column, row) = (number % bins.columns, number / bins.columns);
+            if bins.tile(column, row).is_empty() {
+                return Vec::new();
+            }
             rooms.with(|(nearest, scratch)| {
-                let (column, row) = (number % bins.columns, number / bins.columns);
                 draw_tile(nearest, scratch, (frame, meshes, &projection, &bins), column, row);
                 nearest.nearness.as_flattened().to_vec()
             })
         };
         let tiles: Vec<Vec<f32>> = (0..bins.rows * bins.columns).into_par_iter().with_max_len(1).map(tile).collect();
-        let mut nearness = vec![f32::MIN; size * size];
-        nearness.par_chunks_mut(size).enumerate().for_each(|(y, line)| {
-            for (tile, part) in tiles[y / SIDE * bins.columns..].iter().zip(line.chunks_mut(SIDE)) {
-                part.copy_from_slice(&tile[y % SIDE * SIDE..][..part.len()]);
-            }
-        });
-        let nearest_in_blocks = nearest_in_blocks(&nearness, size);
-        Some(Self { projection, size, nearness, nearest_in_blocks, turns: turns() })
+        let nearest_in_blocks = nearest_in_blocks(&tiles, bins.columns);
+        Some(Self { projection, size, columns: bins.columns, tiles, nearest_in_blocks, turns: turns() })
     }
 
     /// The lit share at a point of a surface with this unit normal; `salt` turns the taps, so that neighbouring pixels
@@ -100,10 +102,9 @@ impl ShadowMap {
 
     /// Whether something nearer to the sun than `nearness` lies within `reach` texels of a place.
     fn may_be_shaded(&self, [x, y]: [f32; 2], reach: f32, nearness: f32) -> bool {
-        let last = self.size.div_ceil(BLOCK) as i32 - 1;
-        let block = |place: f32| ((place / BLOCK as f32) as i32).clamp(0, last) as usize;
+        let width = self.columns * BLOCKS;
+        let block = |place: f32| ((place / BLOCK as f32) as i32).clamp(0, width as i32 - 1) as usize;
         let (columns, rows) = (block(x - reach)..=block(x + reach), block(y - reach)..=block(y + reach));
-        let width = last as usize + 1;
         rows.into_iter()
             .any(|row| columns.clone().any(|column| self.nearest_in_blocks[row * width + column] > nearness))
     }
@@ -117,7 +118,8 @@ impl ShadowMap {
         if x >= self.size || y >= self.size {
             return f32::MIN;
         }
-        self.nearness[y * self.size + x]
+        let tile = &self.tiles[y / SIDE * self.columns + x / SIDE];
+        tile.get(y % SIDE * SIDE + x % SIDE).copied().unwrap_or(f32::MIN)
     }
 }
 
@@ -132,18 +134,21 @@ fn turns() -> Vec<[[f32; 2]; TAPS]> {
     (0..TURNS).map(|turn| std::array::from_fn(|index| place(turn, index))).collect()
 }
 
-fn nearest_in_blocks(nearness: &[f32], size: usize) -> Vec<f32> {
-    let across = size.div_ceil(BLOCK);
-    let strip = |rows: &[f32]| {
-        let mut nearest = vec![f32::MIN; across];
-        for row in rows.chunks(size) {
-            for (nearest, texels) in nearest.iter_mut().zip(row.chunks(BLOCK)) {
-                *nearest = texels.iter().fold(*nearest, |a, &b| if b > a { b } else { a });
+/// The largest nearness in each block of all tiles, row by row.
+fn nearest_in_blocks(tiles: &[Vec<f32>], columns: usize) -> Vec<f32> {
+    let width = columns * BLOCKS;
+    let mut nearest = vec![f32::MIN; tiles.len() * BLOCKS * BLOCKS];
+    nearest.par_chunks_mut(width * BLOCKS).zip(tiles.par_chunks(columns)).for_each(|(nearest, tiles)| {
+        for (column, tile) in tiles.iter().enumerate() {
+            for (y, row) in tile.chunks(SIDE).enumerate() {
+                for (x, texels) in row.chunks(BLOCK).enumerate() {
+                    let nearest = &mut nearest[y / BLOCK * width + column * BLOCKS + x];
+                    *nearest = texels.iter().fold(*nearest, |a, &b| if b > a { b } else { a });
+                }
             }
         }
-        nearest
-    };
-    nearness.par_chunks(size * BLOCK).map(strip).flatten().collect()
+    });
+    nearest
 }
 
 fn draw_tile(
