@@ -158,3 +158,17 @@ fn linear_light_is_the_picture_without_a_tone_curve() {
         }
     }
 }
+
+#[test]
+fn the_shadow_laid_on_ground_of_one_colour_darkens_it_where_the_tree_stands_before_the_sun() {
+    let folder = drawn(&["output.ground_shadow=true", "camera.position=[0, 6, 9]", "camera.target=[0, 0, 0]"]);
+    let shadow = open(folder.path(), "small.shadow.png").into_rgba8();
+    assert!(shadow.pixels().all(|pixel| pixel.0[..3] == [0; 3]));
+    let alphas: Vec<u8> = shadow.pixels().map(|pixel| pixel[3]).collect();
+    let dark = alphas.iter().filter(|&&alpha| alpha > 100).count();
+    let open_ground = alphas.iter().filter(|&&alpha| alpha < 8).count();
+    assert!(dark > 10 && open_ground > alphas.len() / 4, "{dark} pixels in shadow, {open_ground} in the open");
+    let dark_sky = drawn(&["output.ground_shadow=true", "camera.position=[0, 6, 9]", "camera.target=[0, 9, 0]"]);
+    let above = open(dark_sky.path(), "small.shadow.png").into_rgba8();
+    assert!(above.rows().take(8).flatten().all(|pixel| pixel[3] == 0), "the sky has no shadow");
+}

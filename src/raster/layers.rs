@@ -14,6 +14,8 @@ pub struct Wanted {
     pub sites: bool,
     /// The light of each pixel.
     pub radiance: bool,
+    /// The shadow on level ground.
+    pub ground_shadow: bool,
 }
 
 /// A frame as it was drawn.
@@ -26,6 +28,9 @@ pub struct Drawing {
     /// Exposed linear light of each pixel before the tone curve, red, green, blue, and the share that shows anything, row by row;
     /// empty when it is not wanted.
     pub radiance: Vec<[f32; 4]>,
+    /// The share of its light that the ground at height 0 loses to what stands on it, 0 to 255, row by row; empty when it is not
+    /// wanted.
+    pub ground_shadow: Vec<u8>,
     /// What it took.
     pub figures: Figures,
 }

@@ -21,6 +21,7 @@ mod coverage;
 mod distant_wood;
 mod draw;
 mod even;
+mod ground_shadow;
 mod layers;
 mod metering;
 mod projection;
@@ -126,7 +127,8 @@ impl Renderer {
         let error: f64 = tiles.iter().map(|pixels| pixels.squared_error).sum();
         let drawn: u64 = bins.items.iter().map(|item| item.cluster_in(&prepared.meshes).triangles.len() as u64).sum();
         let figures = figures(&prepared, error).with("triangles_drawn", drawn).with("lod_error_px", lod_error);
-        Drawing { picture, sites, radiance, figures }
+        let ground_shadow = if wanted.ground_shadow { prepared.ground_shadow() } else { Vec::new() };
+        Drawing { picture, sites, radiance, ground_shadow, figures }
     }
 }
 

@@ -15,7 +15,7 @@ use crate::base::figures::Figures;
 use crate::base::picture::Picture;
 use crate::compose::contact_sheet::Sheet;
 use crate::compose::{self, Falls, Stock, picture_inset};
-use crate::export;
+use crate::export::{self, ExportError};
 use crate::fall::Counts;
 use crate::frame::Frame;
 use crate::plan::{self, PlannedFrame};
@@ -291,8 +291,11 @@ impl<'a> Run<'a> {
             // One thread writes the glTF file while the others draw.
             let name = self.names.gltf(index);
             let output = &self.scene.output;
-            let wanted =
-                Wanted { sites: !self.names.layers(index).is_empty(), radiance: output.bits == 16 || output.exr };
+            let wanted = Wanted {
+                sites: !self.names.layers(index).is_empty(),
+                radiance: output.bits == 16 || output.exr,
+                ground_shadow: self.names.ground_shadow(index).is_some(),
+            };
             let (drawing, glb) = rayon::join(
                 || {
                     scene.output.png.then(|| {
@@ -315,11 +318,7 @@ impl<'a> Run<'a> {
                         Ok::<_, Diagnostics>((made, Figures::of(0)))
                     })?);
                 }
-                if let Some(name) = self.names.exr(index) {
-                    let view = frame.view;
-                    let bytes = export::exr(view.width, view.height, &drawing.radiance);
-                    files.push((name, bytes.map_err(|error| fault::export(&error))?));
-                }
+                files.extend(self.beside(index, &frame, &drawing).map_err(|error| fault::export(&error))?);
                 if self.scene.output.bits == 16 {
                     let size = [frame.view.width, frame.view.height];
                     deep = Some(Image::Sixteen { size, pixels: raster::developed(&frame.view, &drawing.radiance) });
@@ -336,6 +335,20 @@ impl<'a> Run<'a> {
         let name = self.names.png(index).filter(|_| !pictures.is_empty());
         let picture = name.map(|name| (name, deep.unwrap_or_else(|| Image::Eight(self.assembled(pictures)))));
         Ok(Made { picture, files })
+    }
+
+    /// The files of a frame's light and of its shadow on the ground.
+    fn beside(&self, index: i64, frame: &Frame, drawing: &Drawing) -> Result<FrameFiles, ExportError> {
+        let (width, height) = (frame.view.width, frame.view.height);
+        let mut files = Vec::new();
+        if let Some(name) = self.names.exr(index) {
+            files.push((name, export::exr(width, height, &drawing.radiance)?));
+        }
+        if let Some(name) = self.names.ground_shadow(index) {
+            let pixels = drawing.ground_shadow.iter().map(|&alpha| [0, 0, 0, alpha]).collect();
+            files.push((name, export::png(&Picture { width, height, pixels })?));
+        }
+        Ok(files)
     }
 
     /// The picture of a frame: the only one, or all of them as a contact sheet.

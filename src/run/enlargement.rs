@@ -9,21 +9,27 @@ use crate::raster::{Drawing, Renderer, Wanted};
 use rayon::prelude::*;
 
 /// Draws a frame `times` as large in each direction and averages it to its own size; what the rasteriser tells is of the
-/// large picture, its antialiasing error scaled to the samples that a pixel has. What is seen in each pixel cannot be averaged
-/// and is that of a frame of its own size.
+/// large picture, its antialiasing error scaled to the samples that a pixel has. What is seen in each pixel cannot be averaged:
+/// that, and the shadow on the ground, are those of a frame of its own size.
 #[must_use]
 pub fn drawn(renderer: &mut Renderer, frame: &Frame, times: u32, wanted: Wanted) -> Drawing {
     if times <= 1 {
         return renderer.draw_wanted(frame, wanted);
     }
-    let sites = if wanted.sites { renderer.draw_wanted(frame, wanted).sites } else { Vec::new() };
+    let own_size = Wanted { radiance: false, ..wanted };
+    let (sites, ground_shadow) = if own_size == Wanted::default() {
+        (Vec::new(), Vec::new())
+    } else {
+        let drawing = renderer.draw_wanted(frame, own_size);
+        (drawing.sites, drawing.ground_shadow)
+    };
     let mut large = frame.clone();
     large.view.width *= times;
     large.view.height *= times;
     if let Some(lines) = &mut large.view.wireframe {
         lines.width *= times as f32;
     }
-    let drawing = renderer.draw_wanted(&large, Wanted { sites: false, ..wanted });
+    let drawing = renderer.draw_wanted(&large, Wanted { radiance: wanted.radiance, ..Wanted::default() });
     let mut figures = drawing.figures;
     if let Some(error) = &mut figures.error {
         error.value /= f64::from(times);
@@ -31,7 +37,7 @@ pub fn drawn(renderer: &mut Renderer, frame: &Frame, times: u32, wanted: Wanted)
     }
     let radiance = averaged_light(&drawing.radiance, large.view.width as usize, times as usize);
     let figures = figures.with("enlarged", times);
-    Drawing { picture: averaged(&drawing.picture, times), sites, radiance, figures }
+    Drawing { picture: averaged(&drawing.picture, times), sites, radiance, ground_shadow, figures }
 }
 
 /// Each `times` x `times` pixels of light averaged, colours by their alpha; rows are of `width` pixels.

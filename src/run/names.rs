@@ -14,6 +14,7 @@ pub struct Names {
     gltf: bool,
     layers: bool,
     exr: bool,
+    ground_shadow: bool,
 }
 
 impl Names {
@@ -27,6 +28,7 @@ impl Names {
             gltf: scene.output.gltf.is_some(),
             layers: scene.output.layers && has_one_picture(scene),
             exr: scene.output.exr && has_one_picture(scene),
+            ground_shadow: scene.output.ground_shadow && has_one_picture(scene),
         }
     }
 
@@ -45,9 +47,15 @@ impl Names {
         self.exr.then(|| format!("{}.exr", files::stem(&self.scene, frame, self.frames)))
     }
 
+    /// The file of a frame's shadow on the ground.
+    pub fn ground_shadow(&self, frame: i64) -> Option<String> {
+        self.ground_shadow.then(|| format!("{}.shadow.png", files::stem(&self.scene, frame, self.frames)))
+    }
+
     /// All files of a frame.
     pub fn all(&self, frame: i64) -> Vec<String> {
-        self.png(frame).into_iter().chain(self.gltf(frame)).chain(self.exr(frame)).chain(self.layers(frame)).collect()
+        let files = self.png(frame).into_iter().chain(self.gltf(frame)).chain(self.exr(frame));
+        files.chain(self.ground_shadow(frame)).chain(self.layers(frame)).collect()
     }
 
     /// The layers of a frame, in the order of their kinds.

@@ -45,6 +45,9 @@ settings! {
         /// The light of each pixel, exposed and before the tone curve, beside each picture: NAME.exr, linear sRGB in 32-bit floating
         /// point numbers, colours multiplied by alpha. A contact sheet has none. Needs a program that was built with `--features exr`.
         exr: bool = false;
+        /// The shadow on level ground as a layer of its own, NAME.shadow.png: black, with the share of its light that the ground loses as
+        /// alpha, to be laid under a picture with `image.background = "transparent"`. A contact sheet has none.
+        ground_shadow: bool = false;
         /// One leaf enlarged in the lower right corner.
         inset: bool = false;
     }
