@@ -6,7 +6,9 @@ use crate::base::maths::{exp, sin};
 use crate::base::noise::Lattice;
 use crate::base::random::{Purpose, Stream, hash, hash_unit};
 use crate::frame::{Texture, Wood};
+use rayon::prelude::*;
 use std::f64::consts::TAU;
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 /// Pixels along and up.
@@ -27,6 +29,9 @@ const SPACING: f64 = 5.8;
 const BUSHES: f64 = 1.9;
 /// Stems that stand deeper in the wood, seen where it is bare.
 const STEMS: u64 = 420;
+/// Rows that are drawn at once.
+const BAND: usize = 16;
+
 /// What a pixel shows.
 #[derive(Clone, Copy)]
 struct Texel {
@@ -43,6 +48,14 @@ struct Texel {
 /// The edge while it is drawn.
 struct Canvas {
     texels: Vec<Texel>,
+    seed: u64,
+}
+
+/// Some rows of the edge, drawn by themselves.
+struct Band<'a> {
+    texels: &'a mut [Texel],
+    /// From the ground.
+    rows: Range<i64>,
     seed: u64,
 }
 
@@ -135,6 +148,22 @@ fn stand(seed: u64) -> Vec<Tree> {
     (0..ROWS * in_row).map(tree).chain((0..(LENGTH / BUSHES) as u64).map(bush)).collect()
 }
 
+/// What is drawn on the edge.
+#[derive(Clone, Copy)]
+enum Mark {
+    /// Leaves, where nothing stands before them.
+    Clump(Clump),
+    /// Wood where nothing stands before it.
+    Solid(Stroke),
+    /// Wood over what is there, by the share of a pixel that it covers.
+    Fine(Stroke),
+}
+
+/// What is drawn for each of some trees, one after another.
+fn marks(trees: &[Tree], of: impl Fn(&Tree) -> Vec<Mark> + Sync + Send) -> Vec<Mark> {
+    trees.par_iter().flat_map_iter(of).collect()
+}
+
 /// The edge in leaf.
 fn in_leaf(seed: u64, trees: &[Tree]) -> Canvas {
     let mut canvas = Canvas::new(seed);
@@ -144,18 +173,15 @@ fn in_leaf(seed: u64, trees: &[Tree]) -> Canvas {
         let top = 2.8 + 5.0 * f64::from(gloom.value((x / LENGTH * 64.0) as f32, 0.5));
         (y < top).then_some(Texel { light: 0.05 + 0.02 * y / top, covered: 1.0, kind: 0.5, ..EMPTY })
     });
+    let of = |tree: &Tree| {
+        let strokes = if tree.form == Form::Bush { Vec::new() } else { tree.wood(seed) };
+        // Below its crown a trunk stands in the wood's shade.
+        let strokes = strokes.into_iter().map(|stroke| Mark::Solid(Stroke { light: 0.40 * stroke.light, ..stroke }));
+        strokes.chain(tree.clumps(seed).map(Mark::Clump)).collect()
+    };
     // The nearest first: what they hide need not be drawn.
-    for tree in trees.iter().rev() {
-        if tree.form != Form::Bush {
-            for stroke in tree.wood(seed) {
-                // Below its crown a trunk stands in the wood's shade.
-                canvas.stroke(&Stroke { light: 0.40 * stroke.light, ..stroke }, true);
-            }
-        }
-        for clump in tree.clumps(seed) {
-            canvas.clump(&clump);
-        }
-    }
+    let nearest_first: Vec<Tree> = trees.iter().rev().copied().collect();
+    canvas.paint(&marks(&nearest_first, of));
     canvas
 }
 
@@ -170,21 +196,13 @@ fn bare(seed: u64, trees: &[Tree]) -> Canvas {
             (0.94 * exp(-(y / 5.5) * (y / 5.5)) + 0.34 * exp(-(y / 11.0) * (y / 11.0))) * (0.72 + 0.4 * streak);
         Some(Texel { covered: covered.min(0.96), light: 0.42 + 0.16 * streak, kind: streak, thin: -1.0, ..EMPTY })
     });
-    for stem in (0..STEMS).map(|number| stem(seed, number)) {
-        canvas.stroke(&stem, false);
-    }
-    for tree in trees {
-        if tree.form == Form::Spire {
-            for clump in tree.clumps(seed) {
-                canvas.clump(&clump);
-            }
-            continue;
-        }
-        let strokes = if tree.form == Form::Bush { Vec::new() } else { tree.wood(seed) };
-        for stroke in tree.twigs(seed).chain(strokes) {
-            canvas.stroke(&stroke, false);
-        }
-    }
+    let of = |tree: &Tree| match tree.form {
+        Form::Spire => tree.clumps(seed).map(Mark::Clump).collect(),
+        Form::Bush => tree.twigs(seed).map(Mark::Fine).collect(),
+        _ => tree.twigs(seed).chain(tree.wood(seed)).map(Mark::Fine).collect(),
+    };
+    let stems = (0..STEMS).map(|number| Mark::Fine(stem(seed, number)));
+    canvas.paint(&stems.chain(marks(trees, of)).collect::<Vec<Mark>>());
     canvas
 }
 
@@ -206,29 +224,55 @@ impl Canvas {
         Self { texels: vec![EMPTY; WIDTH * HEIGHT], seed }
     }
 
-    fn fill(&mut self, texel: impl Fn(f64, f64) -> Option<Texel>) {
-        for place in 0..self.texels.len() {
+    fn fill(&mut self, texel: impl Fn(f64, f64) -> Option<Texel> + Sync) {
+        self.texels.par_iter_mut().enumerate().for_each(|(place, own)| {
             let (x, y) = (place % WIDTH, HEIGHT - 1 - place / WIDTH);
             if let Some(found) = texel((x as f64 + 0.5) * PIXEL, (y as f64 + 0.5) * PIXEL) {
-                self.texels[place] = found;
+                *own = found;
             }
-        }
+        });
     }
 
-    fn columns(left: f64, right: f64) -> std::ops::Range<i64> {
+    /// Draws marks one over another, in bands of rows at once: a pixel depends on no other.
+    fn paint(&mut self, marks: &[Mark]) {
+        let seed = self.seed;
+        self.texels.par_chunks_mut(WIDTH * BAND).enumerate().for_each(|(number, texels)| {
+            let above = HEIGHT as i64 - (number * BAND) as i64;
+            let mut band = Band { texels, rows: above - BAND as i64..above, seed };
+            for mark in marks {
+                match mark {
+                    Mark::Clump(clump) => band.clump(clump),
+                    Mark::Solid(stroke) => band.stroke(stroke, true),
+                    Mark::Fine(stroke) => band.stroke(stroke, false),
+                }
+            }
+        });
+    }
+}
+
+impl Band<'_> {
+    fn columns(left: f64, right: f64) -> Range<i64> {
         (left / PIXEL).floor() as i64..(right / PIXEL).floor() as i64 + 1
     }
 
-    fn rows(low: f64, high: f64) -> std::ops::Range<i64> {
+    fn rows(&self, low: f64, high: f64) -> Range<i64> {
         let row = |y: f64| (y / PIXEL).floor() as i64;
-        row(low).max(0)..(row(high) + 1).min(HEIGHT as i64)
+        row(low).max(self.rows.start)..(row(high) + 1).min(self.rows.end)
+    }
+
+    fn texel(&mut self, column: usize, row: i64) -> &mut Texel {
+        &mut self.texels[(self.rows.end - 1 - row) as usize * WIDTH + column]
     }
 
     /// Draws a clump where nothing stands before it; leaves fray its rim.
     fn clump(&mut self, clump: &Clump) {
         let Clump { x, y, radius, .. } = *clump;
+        let rows = self.rows(y - radius, y + radius);
+        if rows.is_empty() {
+            return;
+        }
         for column in Self::columns(x - radius, x + radius) {
-            for row in Self::rows(y - radius, y + radius) {
+            for row in rows.clone() {
                 let across = ((column as f64 + 0.5) * PIXEL - x) / radius;
                 let up = ((row as f64 + 0.5) * PIXEL - y) / radius;
                 self.leaves(clump, [column, row], [across, up]);
@@ -238,11 +282,12 @@ impl Canvas {
 
     fn leaves(&mut self, clump: &Clump, [column, row]: [i64; 2], [across, up]: [f64; 2]) {
         let column = column.rem_euclid(WIDTH as i64) as usize;
-        let texel = &mut self.texels[(HEIGHT - 1 - row as usize) * WIDTH + column];
+        let seed = self.seed;
+        let texel = self.texel(column, row);
         if texel.depth >= clump.depth + clump.radius + 0.25 {
             return;
         }
-        let bits = hash(self.seed ^ clump.radius.to_bits(), (row as u64) << 32 | column as u64);
+        let bits = hash(seed ^ clump.radius.to_bits(), (row as u64) << 32 | column as u64);
         let noise = |shift: u32| (bits >> shift & 0xffff) as f64 / 65536.0;
         let distance = across * across + up * up;
         // Towards the rim leaves stand apart.
@@ -271,16 +316,19 @@ impl Canvas {
         let way = [to[0] - from[0], to[1] - from[1]];
         let squared = (way[0] * way[0] + way[1] * way[1]).max(1e-6);
         let reach = 0.5 * widths[0].max(widths[1]) + PIXEL;
+        if self.rows(from[1].min(to[1]) - 1.5 * reach, from[1].max(to[1]) + 1.5 * reach).is_empty() {
+            return;
+        }
         let is_steep = way[1].abs() > way[0].abs();
         // Steps along the longer way, and across it only as far as the stroke is wide.
         let (main, other) = if is_steep { (1, 0) } else { (0, 1) };
         let [low, high] = [from[main].min(to[main]) - reach, from[main].max(to[main]) + reach];
-        for step in if is_steep { Self::rows(low, high) } else { Self::columns(low, high) } {
+        for step in if is_steep { self.rows(low, high) } else { Self::columns(low, high) } {
             let at = (step as f64 + 0.5) * PIXEL - from[main];
             let middle =
                 from[other] + way[other] * (at / way[main].abs().max(1e-6) * way[main].signum()).clamp(0.0, 1.0);
             let (low, high) = (middle - 1.5 * reach, middle + 1.5 * reach);
-            for aside in if is_steep { Self::columns(low, high) } else { Self::rows(low, high) } {
+            for aside in if is_steep { Self::columns(low, high) } else { self.rows(low, high) } {
                 let [column, row] = if is_steep { [aside, step] } else { [step, aside] };
                 let place = [(column as f64 + 0.5) * PIXEL - from[0], (row as f64 + 0.5) * PIXEL - from[1]];
                 let along = ((place[0] * way[0] + place[1] * way[1]) / squared).clamp(0.0, 1.0);
@@ -298,8 +346,9 @@ impl Canvas {
 
     fn wood(&mut self, stroke: &Stroke, [column, row]: [i64; 2], share: f64, is_solid: bool) {
         let column = column.rem_euclid(WIDTH as i64) as usize;
-        let texel = &mut self.texels[(HEIGHT - 1 - row as usize) * WIDTH + column];
-        let bark = 0.8 + 0.4 * f64::from(hash_unit(self.seed, (row as u64 / 3) << 32 | column as u64));
+        let seed = self.seed;
+        let texel = self.texel(column, row);
+        let bark = 0.8 + 0.4 * f64::from(hash_unit(seed, (row as u64 / 3) << 32 | column as u64));
         let light = stroke.light * bark;
         if is_solid {
             if share > 0.5 && texel.depth < stroke.depth {
@@ -363,14 +412,15 @@ mod tests {
     fn what_reaches_over_the_rim_comes_in_on_the_other_side() {
         for x in [0.5 * LENGTH, 0.0, LENGTH] {
             let mut canvas = Canvas::new(1);
-            canvas.clump(&Clump { x, y: 5.0, depth: 0.0, radius: 1.0, normal: [0.0; 2], kind: 0.5, light: 1.0 });
+            let ball = Clump { x, y: 5.0, depth: 0.0, radius: 1.0, normal: [0.0; 2], kind: 0.5, light: 1.0 };
+            canvas.paint(&[Mark::Clump(ball)]);
             let area = |canvas: &Canvas| canvas.texels.iter().map(|texel| texel.covered).sum::<f64>() * PIXEL * PIXEL;
             assert!((1.8..3.6).contains(&area(&canvas)), "{x}: {}", area(&canvas));
             // A bar thinner than a pixel covers its own area.
             let mut canvas = Canvas::new(1);
             let (from, to) = ([x - 2.0, 3.0], [x + 2.0, 4.5]);
             let bar = Stroke { from, to, widths: [0.04; 2], depth: 0.0, kind: 0.5, light: 1.0 };
-            canvas.stroke(&bar, false);
+            canvas.paint(&[Mark::Fine(bar)]);
             let expected = 0.04 * libm::hypot(4.0, 1.5);
             assert!((area(&canvas) / expected - 1.0).abs() < 0.4, "{x}: {} {expected}", area(&canvas));
         }
