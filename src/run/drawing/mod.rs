@@ -117,7 +117,7 @@ impl<'a> Run<'a> {
                 || before.map(|(made, key)| made.written(folder, &names, key)),
             );
             if let Some((told, written)) = told.zip(written) {
-                self.tell(told, written, is_repeated, &mut listeners)?;
+                self.tell(&told, written, is_repeated, &mut listeners)?;
             }
             match next {
                 Ok(drawn) => last = Some(drawn),

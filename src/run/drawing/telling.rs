@@ -38,13 +38,13 @@ impl Run<'_> {
     ) -> Result<(), Diagnostics> {
         let Some((told, made)) = frame else { return Ok(()) };
         let written = made.written(&self.options.out, &self.names, key(told.index));
-        self.tell(told, written, is_repeated, listeners)
+        self.tell(&told, written, is_repeated, listeners)
     }
 
     /// Tells of a frame that is written, and keeps its files if others repeat it.
     pub(super) fn tell(
         &mut self,
-        frame: Drawn,
+        frame: &Drawn,
         written: Result<Written, Diagnostics>,
         is_repeated: impl Fn(i64) -> bool,
         listeners: &mut Listeners<'_>,
@@ -56,7 +56,7 @@ impl Run<'_> {
         if let Some((seconds, figures)) = written.encoding {
             self.report.add("png", seconds, figures);
         }
-        self.note(&frame, frame.seconds + written.seconds);
+        self.note(frame, frame.seconds + written.seconds);
         listeners.progress.tell(Event::Drawn { frame: frame.index });
         if is_repeated(frame.index) {
             self.repeated.insert(frame.index, written.files);
