@@ -1,5 +1,6 @@
 //! Which samples of a tile a triangle owns, and which of them it wins by depth.
 
+use super::background::Background;
 use super::contest::{Claim, Eight, Pixel};
 use super::samples::{SUBPIXEL, SUBPIXEL_BITS, pattern};
 use super::setup::{EdgeValue, Edges, Plane};
@@ -26,39 +27,6 @@ pub(super) struct Vertex {
     pub nearness: f32,
 }
 
-/// A plane behind everything: its nearness over the tile, linear from the tile's upper left corner. Where that is not
-/// positive there is nothing.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Background {
-    /// Nearness at the corner.
-    pub at: f32,
-    /// Its growth a pixel to the right.
-    pub right: f32,
-    /// Its growth a pixel down.
-    pub down: f32,
-    /// Who the plane is.
-    pub owner: u32,
-    /// Who stands where there is nothing.
-    pub beyond: u32,
-}
-
-impl Background {
-    /// The nearness at a place in the tile, pixels.
-    #[inline(always)]
-    fn nearness(&self, x: f32, y: f32) -> f32 {
-        self.at + self.right * x + self.down * y
-    }
-
-    /// The least and the largest nearness of the plane over a block.
-    fn range(&self, block: usize) -> [f32; 2] {
-        let [left, top] = [block % BLOCKS, block / BLOCKS].map(|place| (place * BLOCK) as f32);
-        let side = BLOCK as f32;
-        let corners = [[0.0, 0.0], [side, 0.0], [0.0, side], [side, side]];
-        let corners = corners.map(|[x, y]| self.nearness(left + x, top + y));
-        corners.into_iter().fold([f32::MAX, f32::MIN], |[low, high], value| [low.min(value), high.max(value)])
-    }
-}
-
 /// What is nearest at every sample of a tile.
 #[derive(Clone, Debug)]
 pub(super) struct Nearest<const S: usize> {
@@ -76,6 +44,11 @@ pub(super) struct Nearest<const S: usize> {
     /// What stands in the blocks whose bits in `bare` are set; their samples are not written yet.
     background: Background,
     bare: u64,
+}
+
+/// The column and row at which a block of a tile begins, pixels.
+fn corner(block: usize) -> [usize; 2] {
+    [block % BLOCKS * BLOCK, block / BLOCKS * BLOCK]
 }
 
 fn by_axis<const S: usize>(pattern: &[[i32; 2]; S]) -> [[i32; S]; 2] {
@@ -132,7 +105,7 @@ impl<const S: usize> Nearest<S> {
         if self.bare >> block & 1 == 0 {
             return None;
         }
-        let [low, high] = self.background.range(block);
+        let [low, high] = self.background.range(corner(block));
         match (low > 0.0, high > 0.0) {
             (true, _) => Some(self.background.owner),
             (_, false) => Some(self.background.beyond),
@@ -160,7 +133,7 @@ impl<const S: usize> Nearest<S> {
     fn write_background(&mut self, block: usize) {
         self.bare &= !(1 << block);
         let background = self.background;
-        let (left, top) = (block % BLOCKS * BLOCK, block / BLOCKS * BLOCK);
+        let [left, top] = corner(block);
         let offsets: [[f32; 2]; S] =
             std::array::from_fn(|s| [0, 1].map(|axis| self.pattern[axis][s] as f32 * (1.0 / SUBPIXEL as f32)));
         for (y, x) in (top..top + BLOCK).flat_map(|y| (left..left + BLOCK).map(move |x| (y, x))) {
@@ -202,7 +175,7 @@ impl<const S: usize> Nearest<S> {
 
     fn block_farthest(&mut self, block: usize) -> f32 {
         if self.bare >> block & 1 == 1 {
-            return self.background.range(block)[0].max(0.0);
+            return self.background.range(corner(block))[0].max(0.0);
         }
         if self.stale >> block & 1 == 1 {
             let first = block / BLOCKS * BLOCK * SIDE + block % BLOCKS * BLOCK;

@@ -12,6 +12,7 @@
 
 mod atmosphere;
 mod backdrop;
+mod background;
 mod bins;
 mod canopy;
 mod clip;

@@ -2,9 +2,10 @@
 
 use super::atmosphere::Ambient;
 use super::backdrop::Backdrop;
+use super::background::Background;
 use super::bins::Bins;
 pub(super) use super::coverage::SIDE;
-use super::coverage::{BLOCK, Background, Nearest};
+use super::coverage::{BLOCK, Nearest};
 use super::draw::{self, Corner, Placed, Scratch};
 use super::layers::Site;
 use super::projection::{Lens, composed};
