@@ -6,13 +6,15 @@
 //! (`layers`) are not laid one by one but add a soft layer. The litter of any day can be made by itself, and the list of its
 //! leaves may come in any order.
 
-use super::contact::Bed;
+use super::columns::{Columns, Extent, Region};
+use super::contact::{Bed, Tools};
 use super::layers::{Over, over};
+use super::schedule::Schedule;
 use super::shape::{Shape, Side};
 use super::{Fallen, Ground};
 use crate::base::random::{Purpose, Stream};
 use crate::base::vector::{DVec2, DVec3};
-use nalgebra::UnitQuaternion;
+use nalgebra::{Quaternion, UnitQuaternion};
 use std::f64::consts::TAU;
 
 /// Leaves over a leaf, in the mean, that press it flat.
@@ -54,6 +56,14 @@ pub struct Laid {
     pub is_buried: bool,
 }
 
+/// What is told of a leaf without a shape.
+const NOWHERE: Laid = Laid {
+    middle: DVec3::new(0.0, 0.0, 0.0),
+    attitude: UnitQuaternion::new_unchecked(Quaternion::new(1.0, 0.0, 0.0, 0.0)),
+    is_pressed: false,
+    is_buried: false,
+};
+
 /// The side and the turn in which a leaf will lie: either side by chance.
 #[must_use]
 pub fn lot(seed: u64, leaf: &Fallen) -> (Side, f64) {
@@ -65,28 +75,39 @@ pub fn lot(seed: u64, leaf: &Fallen) -> (Side, f64) {
 /// Lays leaves; the answers are in the order in which the leaves are given.
 #[must_use]
 pub fn settle(ground: &Ground, shapes: &[&Shape], landed: &[Landed]) -> Vec<Laid> {
-    let mut order: Vec<usize> = (0..landed.len()).collect();
+    let mut order: Vec<u32> = (0..landed.len() as u32).collect();
+    let key = |place: u32| (&landed[place as usize], place);
     order.sort_unstable_by(|&a, &b| {
-        landed[a].day.total_cmp(&landed[b].day).then(landed[a].leaf.cmp(&landed[b].leaf)).then(a.cmp(&b))
+        let ((a, first), (b, second)) = (key(a), key(b));
+        a.day.total_cmp(&b.day).then(a.leaf.cmp(&b.leaf)).then(first.cmp(&second))
     });
-    let over = over(shapes, landed, &order);
-    let mut bed = Bed::new(ground, landed);
-    let nowhere =
-        Laid { middle: DVec3::zeros(), attitude: UnitQuaternion::identity(), is_pressed: false, is_buried: false };
-    let mut laid = vec![nowhere; landed.len()];
-    for &place in &order {
+    let bed = Bed::new(ground, shapes, landed);
+    let extents: Vec<Extent> = landed.iter().map(|leaf| bed.extent(shapes, leaf)).collect();
+    let schedule = Schedule::new(order.iter().map(|&place| (place, extents[place as usize])), bed.bits);
+    let over = over(shapes, landed, (&schedule, &extents), (bed.side, bed.bits));
+    let mut laid = vec![NOWHERE; landed.len()];
+    let mut columns = Columns::new(&schedule, bed.bits);
+    let lay = |tools: &mut Tools, region: &mut Region, place: usize| {
         let (leaf, over) = (&landed[place], over[place]);
-        if let Some((shape, is_pressed)) = worn(shapes, leaf, over) {
-            let is_buried = over.least >= BURIES;
-            let new = if is_buried { bed.bury(shape, leaf) } else { bed.lay(shape, leaf) };
-            laid[place] = Laid { is_pressed, ..new };
-        }
-    }
-    for (place, leaf) in landed.iter().enumerate().filter(|(place, _)| over[*place].least > 0) {
-        if let Some((shape, _)) = worn(shapes, leaf, over[place]).filter(|_| !laid[place].is_buried) {
-            laid[place].is_buried = bed.hides(shape, leaf, &laid[place]);
-        }
-    }
+        let Some((shape, is_pressed)) = worn(shapes, leaf, over) else { return NOWHERE };
+        let new = tools.with(region, extents[place], |tools, patch| match over.least >= BURIES {
+            true => bed.bury(patch, shape, leaf),
+            false => bed.lay(tools, patch, shape, leaf),
+        });
+        Laid { is_pressed, ..new }
+    };
+    columns.each(&schedule, false, lay, |place, new| laid[place] = new);
+    let hides = |tools: &mut Tools, region: &mut Region, place: usize| {
+        let (leaf, over, laid) = (&landed[place], over[place], &laid[place]);
+        let is_open = over.least == 0 || laid.is_buried;
+        let worn = worn(shapes, leaf, over).filter(|_| !is_open);
+        let is_hidden =
+            |(shape, _)| tools.with(region, extents[place], |_, patch| bed.hides(&patch, shape, leaf, laid));
+        worn.is_some_and(is_hidden)
+    };
+    let mut hidden = vec![false; landed.len()];
+    columns.each(&schedule, false, hides, |place, is_hidden| hidden[place] = is_hidden);
+    laid.iter_mut().zip(hidden).for_each(|(laid, is_hidden)| laid.is_buried |= is_hidden);
     laid
 }
 

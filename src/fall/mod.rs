@@ -22,12 +22,14 @@ mod descent;
 mod drift;
 mod fate;
 mod flight;
+mod footprint;
 mod ground;
 mod layers;
 mod lines;
 mod litter;
 #[cfg(test)]
 mod pile_tests;
+mod schedule;
 mod settings;
 mod shape;
 mod support;

@@ -4,6 +4,7 @@
 //! it is the one that is highest at the centre: the maximum of the concave function min_i (h_i - a p_i - b q_i) of the slopes
 //! a and b, found by nested golden sections. A curled leaf thus stands on its rims and a flat one lies.
 
+use super::footprint::LANES;
 use super::lines::{End, Line, Lines};
 use super::support::support;
 use crate::base::mesh::Mesh;
@@ -57,13 +58,43 @@ pub(super) struct Sample {
     pub high: f32,
 }
 
-/// A point of a lying blade of scale 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Point {
-    /// Along x from the middle, height over the ground, along z, metres.
-    pub at: [f32; 3],
-    /// How it rises along x and z, metres a metre.
-    pub slope: [f32; 2],
+/// Points of a lying blade of scale 1, coordinate by coordinate.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Group {
+    /// Along x from the middle, heights over the ground, along z, metres.
+    pub at: [[f32; LANES]; 3],
+    /// How the blade rises there along x and z, metres a metre.
+    pub slope: [[f32; LANES]; 2],
+}
+
+/// Points in groups; the last one is filled up with its first point.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Points {
+    groups: Vec<Group>,
+}
+
+impl Points {
+    fn new(points: impl Iterator<Item = ([f32; 3], [f32; 2])>) -> Self {
+        let points: Vec<([f32; 3], [f32; 2])> = points.collect();
+        let group = |points: &[([f32; 3], [f32; 2])]| {
+            let lane = |lane: usize| points.get(lane).unwrap_or(&points[0]);
+            Group {
+                at: std::array::from_fn(|k| std::array::from_fn(|n| lane(n).0[k])),
+                slope: std::array::from_fn(|k| std::array::from_fn(|n| lane(n).1[k])),
+            }
+        };
+        Self { groups: points.chunks(LANES).map(group).collect() }
+    }
+
+    /// The groups.
+    pub(super) fn groups(&self) -> &[Group] {
+        &self.groups
+    }
+
+    /// All points; some more than once.
+    pub(super) fn iter(&self) -> impl Iterator<Item = [f32; 3]> {
+        self.groups.iter().flat_map(|group| (0..LANES).map(|lane| group.at.map(|values| values[lane])))
+    }
 }
 
 /// A shape as it lies on one side.
@@ -74,13 +105,15 @@ pub(super) struct Rest {
     /// The point of the turned model that lies on the ground below its middle, metres.
     pub foot: DVec3,
     /// Points of the blade, closer than cells.
-    pub blade: Vec<Point>,
-    /// Points of its rim: along x from the middle, height over the ground, along z, metres.
-    pub rim: Vec<[f32; 3]>,
+    pub blade: Points,
+    /// Points of its rim, with no slope.
+    pub rim: Points,
     /// Points of the petiole.
     pub stalk: Vec<[f32; 3]>,
     /// Lines through the blade.
     pub samples: Vec<Sample>,
+    /// The height of the highest of them, metres.
+    pub rise: f32,
     /// Area that the blade covers, m2.
     pub covered: f64,
     /// Within so many metres of the middle lies all of it, however it leans.
@@ -163,23 +196,26 @@ fn rest(mesh: &Mesh, stalk: Vec3, middle: DVec3, side: Side) -> Rest {
     let foot = level * middle + DVec3::new(0.0, lowest, 0.0);
     let reach = turned.iter().map(|p| p.norm() + p.y - lowest).fold(0.0, f64::max) + ROOM;
     let covered = coarse.lines.len() as f64 * coarse.step * coarse.step;
-    let single = |points: &[DVec3]| points.iter().map(|p| [p.x as f32, (p.y - lowest) as f32, p.z as f32]).collect();
+    let single = |points: &[DVec3]| -> Vec<[f32; 3]> {
+        points.iter().map(|p| [p.x as f32, (p.y - lowest) as f32, p.z as f32]).collect()
+    };
     let height = |end: End| (end.height - lowest) as f32;
     let sample = |line: &Line| Sample {
         place: [line.place.x as f32, line.place.y as f32],
         low: height(line.low),
         high: height(line.high),
     };
-    let point = |(place, end): (DVec2, End)| Point {
-        at: [place.x as f32, height(end), place.y as f32],
-        slope: [end.slope.x as f32, end.slope.y as f32],
+    let point = |(place, end): (DVec2, End)| {
+        ([place.x as f32, height(end), place.y as f32], [end.slope.x as f32, end.slope.y as f32])
     };
+    let rim = single(&along_rim(vertices, &mesh.triangles));
     Rest {
         level,
         foot,
-        blade: fine.ends().map(point).collect(),
-        rim: single(&along_rim(vertices, &mesh.triangles)),
+        blade: Points::new(fine.ends().map(point)),
+        rim: Points::new(rim.into_iter().map(|at| (at, [0.0; 2]))),
         stalk: single(stalk),
+        rise: coarse.lines.iter().map(|line| height(line.high)).fold(0.0, f32::max),
         samples: coarse.lines.iter().map(sample).collect(),
         covered,
         reach,
@@ -250,7 +286,7 @@ mod tests {
         }
         let shape = Shape::new(&mesh, Stalk::default());
         let rest = shape.rest(Side::Lower);
-        let points = rest.rim.iter().chain(rest.blade.iter().map(|point| &point.at));
+        let points = rest.rim.iter().chain(rest.blade.iter());
         let feet = points.filter(|v| v[1] < 3e-4);
         let feet: Vec<DVec2> = feet.map(|v| DVec2::new(f64::from(v[0]), f64::from(v[2]))).collect();
         let around = (0..8).all(|k| {
