@@ -7,7 +7,7 @@
 
 use super::columns::{Extent, Patch, Region, in_cells, place};
 use super::descent::slope;
-use super::footprint::{Axes, Footprint, Rise};
+use super::footprint::{Axes, Footprint, OF_RIM, Rise, UNIT};
 use super::litter::{Laid, Landed};
 use super::shape::{Points, Rest, Shape};
 use super::support::{Point, support};
@@ -19,9 +19,6 @@ use nalgebra::UnitQuaternion;
 const CELL: f64 = 2.5e-3;
 /// Coarsest cells, of a large stand.
 const COARSEST: f64 = 8e-3;
-/// What one unit of a cell's value is worth, metres. The lowest bit tells that the height is that of a rim.
-const UNIT: f32 = 5e-5;
-const OF_RIM: u16 = 1;
 /// How far rims pass one another, metres: they need not lie one above the other where their vertices lie in one cell.
 const GIVE: f32 = 1e-3;
 /// Room that a blade takes over its lower side, metres: paper and veins.
@@ -36,7 +33,7 @@ const ACCURACY: f64 = 2e-4;
 const BURIED: f32 = 4e-3;
 /// Cells along a block's side, as powers of two: a block holds the widest leaf, up to the second. Of a larger leaf the rim is
 /// looked up in the outermost cells.
-const LEAST_BITS: u32 = 8;
+const LEAST_BITS: u32 = 9;
 const MOST_BITS: u32 = 10;
 
 /// What leaves come down on.
@@ -101,11 +98,8 @@ impl<'a> Bed<'a> {
         let level = height + THICKNESS;
         for (found, of_rim) in [(&tools.blade, 0), (&tools.rim, OF_RIM)] {
             match self.ground.heights {
-                None => found.raise(patch.values, |_, over| units(level + over) | of_rim),
-                Some(_) => {
-                    let ground = self.grounds(&patch);
-                    found.raise(patch.values, |cell, over| units(level + over - ground(cell)) | of_rim);
-                }
+                None => found.raise(patch.values, level, of_rim, |_| 0.0),
+                Some(_) => found.raise(patch.values, level, of_rim, self.grounds(patch.first, patch.stride)),
             }
         }
         let middle = rest.level * shape.middle - rest.foot;
@@ -199,11 +193,11 @@ impl<'a> Bed<'a> {
             None => -tools.blade.lowest.min(tools.rim.lowest),
             Some(_) => met(&rest.blade).max(met(&rest.rim)),
         };
-        let [blade, rim] = match self.ground.heights {
-            None => contacts(tools, patch, |_| 0.0),
-            Some(_) => contacts(tools, patch, self.grounds(patch)),
+        let contact = match self.ground.heights {
+            None => contact(tools, patch.values, |_| 0.0),
+            Some(_) => contact(tools, patch.values, self.grounds(patch.first, patch.stride)),
         };
-        let height = ground.max(stalk).max(blade).max(rim);
+        let height = ground.max(stalk).max(contact);
         if height.is_finite() { height } else { 0.0 }
     }
 
@@ -224,25 +218,19 @@ impl<'a> Bed<'a> {
 
     #[inline]
     fn ground_at(&self, patch: &Patch<'_>, cell: usize) -> f32 {
-        if self.ground.heights.is_none() { 0.0 } else { self.grounds(patch)(cell) }
+        if self.ground.heights.is_none() { 0.0 } else { self.grounds(patch.first, patch.stride)(cell as i32) }
     }
 
     /// The height of the ground in the middle of a patch's cells, metres.
-    fn grounds(&self, patch: &Patch<'_>) -> impl Fn(usize) -> f32 + use<'a> {
-        let (first, stride, side, ground) = (patch.first, patch.stride, self.side, self.ground);
-        move |cell| ground.height(place(first, stride, cell, side)) as f32
+    fn grounds(&self, first: [u32; 2], stride: usize) -> impl Fn(i32) -> f32 + use<'a> {
+        let (side, ground) = (self.side, self.ground);
+        move |cell| ground.height(place(first, stride, cell as usize, side)) as f32
     }
 }
 
-/// The heights of the foot at which a leaf's blade and its rim meet what lies below, metres.
-fn contacts(tools: &Tools, patch: &Patch<'_>, ground: impl Fn(usize) -> f32) -> [f32; 2] {
-    let of = |value: u16, cell: usize| f32::from(value & !OF_RIM) * UNIT + ground(cell);
-    let blade = tools.blade.highest(|cell| of(patch.value(cell), cell));
-    let rim = tools.rim.highest(|cell| {
-        let value = patch.value(cell);
-        of(value, cell) - if value & OF_RIM == 0 { 0.0 } else { GIVE }
-    });
-    [blade, rim]
+/// The height of the foot at which a leaf's blade or its rim meets what lies below, metres.
+fn contact(tools: &Tools, values: &[u16], ground: impl Fn(i32) -> f32) -> f32 {
+    tools.blade.highest(values, 0.0, &ground).max(tools.rim.highest(values, GIVE, &ground))
 }
 
 /// How far a leaf may reach about its place, metres.

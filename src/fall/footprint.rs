@@ -7,6 +7,11 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch, f32x8, i32x8};
 use nalgebra::UnitQuaternion;
 
+/// What one unit of a cell's value is worth, metres. The lowest bit tells that the height is that of a rim.
+pub(super) const UNIT: f32 = 5e-5;
+pub(super) const OF_RIM: u16 = 1;
+/// The highest that a cell's value tells, in twos of units.
+const MOST_UNITS: f32 = (u16::MAX / 2) as f32;
 /// Points that are looked at together.
 pub(super) const LANES: usize = 8;
 
@@ -60,31 +65,39 @@ impl Footprint {
         self.lowest = <[f32; LANES]>::from(lowest).into_iter().fold(f32::INFINITY, f32::min);
     }
 
-    /// The height of the foot at which one of the points meets the top of its cell, metres.
+    /// The height of the foot at which one of the points meets the top of its cell, metres; `ground` is that below a cell.
     #[inline]
-    pub(super) fn highest(&self, top: impl Fn(usize) -> f32) -> f32 {
-        let mut highest = [f32::NEG_INFINITY; LANES];
-        for (cells, over) in self.cells.iter().zip(&self.over) {
-            for lane in 0..LANES {
-                let over = top(cells[lane] as usize) - over[lane];
-                highest[lane] = if over > highest[lane] { over } else { highest[lane] };
+    pub(super) fn highest(&self, values: &[u16], give: f32, ground: impl Fn(i32) -> f32) -> f32 {
+        dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
+            let mut highest = f32x8::splat(simd, f32::NEG_INFINITY);
+            for (cells, over) in self.cells.iter().zip(&self.over) {
+                let found = cells.map(|cell| values.get(cell as usize).map_or(0, |value| i32::from(*value)));
+                let found = i32x8::simd_from(simd, found);
+                let of_rim = (found & i32::from(OF_RIM)).to_float::<f32x8<_>>();
+                let top = (found & i32::from(!OF_RIM)).to_float::<f32x8<_>>() * UNIT;
+                let floor = f32x8::simd_from(simd, cells.map(&ground));
+                highest = highest.max(top + floor - f32x8::simd_from(simd, *over) - of_rim * give);
             }
-        }
-        highest.into_iter().fold(f32::NEG_INFINITY, f32::max)
+            <[f32; LANES]>::from(highest).into_iter().fold(f32::NEG_INFINITY, f32::max)
+        }))
     }
 
-    /// Raises cells to the tops that `top` makes of the leaf's height over its foot.
+    /// Raises cells to the leaf, whose foot and thickness are at `level`, metres.
     #[inline]
-    pub(super) fn raise(&self, values: &mut [u16], top: impl Fn(usize, f32) -> u16) {
-        for (cells, over) in self.cells.iter().zip(&self.over) {
-            for lane in 0..LANES {
-                let cell = cells[lane] as usize;
-                let top = top(cell, over[lane]);
-                if let Some(value) = values.get_mut(cell) {
-                    *value = top.max(*value);
+    pub(super) fn raise(&self, values: &mut [u16], level: f32, of_rim: u16, ground: impl Fn(i32) -> f32) {
+        dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
+            for (cells, over) in self.cells.iter().zip(&self.over) {
+                let floor = f32x8::simd_from(simd, cells.map(&ground));
+                let over = f32x8::simd_from(simd, *over) + level - floor;
+                let units = (over * (0.5 / UNIT) + 0.5).max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, MOST_UNITS));
+                let tops: [i32; LANES] = units.to_int::<i32x8<_>>().into();
+                for (cell, top) in cells.iter().zip(tops) {
+                    if let Some(value) = values.get_mut(*cell as usize) {
+                        *value = (2 * top as u16 | of_rim).max(*value);
+                    }
                 }
             }
-        }
+        }));
     }
 }
 
