@@ -65,6 +65,17 @@ impl Footprint {
         self.lowest = <[f32; LANES]>::from(lowest).into_iter().fold(f32::INFINITY, f32::min);
     }
 
+    /// The cell of each point, with the leaf's height over its foot there, metres.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (usize, f32)> {
+        self.cells.iter().flatten().map(|&cell| cell as usize).zip(self.over.iter().flatten().copied())
+    }
+
+    /// Whether nothing lies in any of the cells.
+    pub(super) fn is_bare(&self, values: &[u16]) -> bool {
+        let all = |any: u16, cell: &i32| any | values.get(*cell as usize).copied().unwrap_or(0);
+        self.cells.iter().flatten().fold(0, all) == 0
+    }
+
     /// The height of the foot at which one of the points meets the top of its cell, metres; `ground` is that below a cell.
     #[inline]
     pub(super) fn highest(&self, values: &[u16], give: f32, ground: impl Fn(i32) -> f32) -> f32 {

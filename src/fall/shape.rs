@@ -6,7 +6,7 @@
 
 use super::footprint::LANES;
 use super::lines::{End, Line, Lines};
-use super::support::support;
+use super::support::{Cloud, support};
 use crate::base::mesh::Mesh;
 use crate::base::vector::{DVec2, DVec3, Vec3};
 use nalgebra::{Rotation3, UnitQuaternion};
@@ -19,12 +19,12 @@ const MOST: f64 = 24.0;
 const STEEPEST: f64 = 0.7;
 /// Points of a petiole that may touch the ground.
 const STALK: usize = 4;
-/// Distance of the points of a blade, metres: below the side of a cell.
-const POINT: f64 = 2.4e-3;
+/// Distance of the points of a blade, metres, for each fineness: below the side of a cell.
+const POINTS: [f64; 2] = [1.7e-3, 2.4e-3];
 /// Most points along one side of a shape.
 const MOST_POINTS: f64 = 256.0;
 /// Distance of the points along a rim, metres, and most parts of one edge.
-const RIM: f64 = 2.2e-3;
+const RIMS: [f64; 2] = [1.5e-3, 2.2e-3];
 const MOST_PARTS: u32 = 64;
 /// Room about what a leaf may reach, metres.
 const ROOM: f64 = 0.01;
@@ -104,14 +104,16 @@ pub(super) struct Rest {
     pub level: UnitQuaternion<f64>,
     /// The point of the turned model that lies on the ground below its middle, metres.
     pub foot: DVec3,
-    /// Points of the blade, closer than cells.
-    pub blade: Points,
+    /// Points of the blade, closer than cells, for each fineness.
+    pub blade: [Points; 2],
     /// Points of its rim, with no slope.
-    pub rim: Points,
+    pub rim: [Points; 2],
     /// Points of the petiole.
     pub stalk: Vec<[f32; 3]>,
     /// Lines through the blade.
     pub samples: Vec<Sample>,
+    /// Their lowest points, with no slope.
+    pub lows: Points,
     /// The height of the highest of them, metres.
     pub rise: f32,
     /// Area that the blade covers, m2.
@@ -192,7 +194,7 @@ fn rest(mesh: &Mesh, stalk: Vec3, middle: DVec3, side: Side) -> Rest {
     let lowest = if lowest.is_finite() { lowest } else { 0.0 };
     let (vertices, stalk) = turned.split_at(mesh.positions.len());
     let coarse = Lines::new(vertices, &mesh.triangles, SAMPLE, MOST);
-    let fine = Lines::new(vertices, &mesh.triangles, POINT, MOST_POINTS);
+    let fine = POINTS.map(|apart| Lines::new(vertices, &mesh.triangles, apart, MOST_POINTS));
     let foot = level * middle + DVec3::new(0.0, lowest, 0.0);
     let reach = turned.iter().map(|p| p.norm() + p.y - lowest).fold(0.0, f64::max) + ROOM;
     let covered = coarse.lines.len() as f64 * coarse.step * coarse.step;
@@ -208,29 +210,30 @@ fn rest(mesh: &Mesh, stalk: Vec3, middle: DVec3, side: Side) -> Rest {
     let point = |(place, end): (DVec2, End)| {
         ([place.x as f32, height(end), place.y as f32], [end.slope.x as f32, end.slope.y as f32])
     };
-    let rim = single(&along_rim(vertices, &mesh.triangles));
+    let rim = RIMS.map(|apart| single(&along_rim(vertices, &mesh.triangles, apart)));
     Rest {
         level,
         foot,
-        blade: Points::new(fine.ends().map(point)),
-        rim: Points::new(rim.into_iter().map(|at| (at, [0.0; 2]))),
+        blade: fine.map(|lines| Points::new(lines.ends().map(point))),
+        rim: rim.map(|rim| Points::new(rim.into_iter().map(|at| (at, [0.0; 2])))),
         stalk: single(stalk),
         rise: coarse.lines.iter().map(|line| height(line.high)).fold(0.0, f32::max),
+        lows: Points::new(coarse.lines.iter().map(sample).map(|s| ([s.place[0], s.low, s.place[1]], [0.0; 2]))),
         samples: coarse.lines.iter().map(sample).collect(),
         covered,
         reach,
     }
 }
 
-/// Points along the edges that belong to one triangle only.
-fn along_rim(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
+/// Points along the edges that belong to one triangle only, so many metres apart.
+fn along_rim(points: &[DVec3], triangles: &[[u32; 3]], apart: f64) -> Vec<DVec3> {
     let edge = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
     let mut edges: Vec<[u32; 2]> = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]].map(edge)).collect();
     edges.sort_unstable();
     let rim = edges.chunk_by(|one, next| one == next).filter(|same| same.len() == 1).map(|same| same[0]);
     let between = |[a, b]: [u32; 2]| {
         let (from, to) = (points[a as usize], points[b as usize]);
-        let parts = ((to - from).norm() / RIM) as u32 + 1;
+        let parts = ((to - from).norm() / apart) as u32 + 1;
         (0..parts.min(MOST_PARTS)).map(move |part| from + (to - from) * (f64::from(part) / f64::from(parts)))
     };
     rim.flat_map(between).collect()
@@ -238,7 +241,8 @@ fn along_rim(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
 
 /// Slopes along x and z of the plane that carries the points.
 fn carrying(points: &[DVec3]) -> [f64; 2] {
-    let hanging: Vec<[f64; 3]> = points.iter().map(|p| [p.x, p.z, -p.y]).collect();
+    let mut hanging = Cloud::default();
+    points.iter().for_each(|p| hanging.push([p.x, p.z, -p.y]));
     let [_, a, b] = support(&hanging, STEEPEST, 1e-7);
     [-a, -b]
 }
@@ -286,7 +290,7 @@ mod tests {
         }
         let shape = Shape::new(&mesh, Stalk::default());
         let rest = shape.rest(Side::Lower);
-        let points = rest.rim.iter().chain(rest.blade.iter());
+        let points = rest.rim[0].iter().chain(rest.blade[0].iter());
         let feet = points.filter(|v| v[1] < 3e-4);
         let feet: Vec<DVec2> = feet.map(|v| DVec2::new(f64::from(v[0]), f64::from(v[2]))).collect();
         let around = (0..8).all(|k| {
