@@ -49,6 +49,13 @@ pub(super) struct Bed<'a> {
     pub bits: u32,
 }
 
+/// How a leaf lies: its turn and the height of its foot, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stance {
+    turn: UnitQuaternion<f64>,
+    height: f32,
+}
+
 /// What is needed on the way down, kept from leaf to leaf.
 #[derive(Default)]
 pub(super) struct Tools {
@@ -90,17 +97,28 @@ impl<'a> Bed<'a> {
         Extent::new(leaf.place, reach(shapes, leaf), self.side).within(self.bits)
     }
 
-    /// Lays a leaf on what is there.
-    pub(super) fn lay(&self, tools: &mut Tools, patch: Patch<'_>, shape: &Shape, leaf: &Landed) -> Laid {
+    /// How a leaf comes to rest on what is there.
+    pub(super) fn rest(&self, tools: &mut Tools, patch: &Patch<'_>, shape: &Shape, leaf: &Landed) -> Stance {
         let rest = shape.rest(leaf.side);
         let yaw = UnitQuaternion::from_axis_angle(&DVec3::y_axis(), leaf.yaw);
-        let turn = self.leaning(tools, &patch, rest, leaf, &yaw) * yaw;
-        let matrix = turn.to_rotation_matrix().into_inner() * leaf.scale;
-        let axes = Axes::new(&matrix, self.side);
-        let middle = patch.from_first(in_cells(leaf.place, self.side, 0));
-        tools.blade.find(&rest.blade[self.fineness], &axes, &Rise::new(&turn, leaf.yaw, self.side), &patch, middle);
-        tools.rim.find(&rest.rim[self.fineness], &axes, &Rise::default(), &patch, middle);
-        let height = self.height(tools, &patch, rest, &axes, leaf);
+        let turn = self.leaning(tools, patch, rest, leaf, &yaw) * yaw;
+        let axes = self.axes(&turn, leaf);
+        self.find(tools, patch, rest, leaf, &turn);
+        Stance { turn, height: self.height(tools, patch, rest, &axes, leaf) }
+    }
+
+    /// Adds a leaf that lies so. `is_found`: that it has just come to rest with these tools.
+    pub(super) fn add(
+        &self,
+        (tools, is_found): (&mut Tools, bool),
+        patch: Patch<'_>,
+        shape: &Shape,
+        leaf: &Landed,
+        Stance { turn, height }: &Stance,
+    ) {
+        if !is_found {
+            self.find(tools, &patch, shape.rest(leaf.side), leaf, turn);
+        }
         let level = height + THICKNESS;
         for (found, of_rim) in [(&tools.blade, 0), (&tools.rim, OF_RIM)] {
             match self.ground.heights {
@@ -108,9 +126,28 @@ impl<'a> Bed<'a> {
                 Some(_) => found.raise(patch.values, level, of_rim, self.grounds(patch.first, patch.stride)),
             }
         }
+    }
+
+    /// The middle and the attitude of a leaf that lies so.
+    pub(super) fn laid(&self, shape: &Shape, leaf: &Landed, Stance { turn, height }: &Stance) -> Laid {
+        let rest = shape.rest(leaf.side);
+        let matrix = turn.to_rotation_matrix().into_inner() * leaf.scale;
         let middle = rest.level * shape.middle - rest.foot;
-        let foot = DVec3::new(leaf.place.x, f64::from(height), leaf.place.y);
+        let foot = DVec3::new(leaf.place.x, f64::from(*height), leaf.place.y);
         Laid { middle: foot + matrix * middle, attitude: turn * rest.level, is_pressed: false, is_buried: false }
+    }
+
+    fn axes(&self, turn: &UnitQuaternion<f64>, leaf: &Landed) -> Axes {
+        Axes::new(&(turn.to_rotation_matrix().into_inner() * leaf.scale), self.side)
+    }
+
+    /// The cells below a leaf of this turn.
+    fn find(&self, tools: &mut Tools, patch: &Patch<'_>, rest: &Rest, leaf: &Landed, turn: &UnitQuaternion<f64>) {
+        let axes = self.axes(turn, leaf);
+        let middle = patch.from_first(in_cells(leaf.place, self.side, 0));
+        let rise = Rise::new(turn, leaf.yaw, self.side);
+        tools.blade.find(&rest.blade[self.fineness], &axes, &rise, patch, middle);
+        tools.rim.find(&rest.rim[self.fineness], &axes, &Rise::default(), patch, middle);
     }
 
     /// Adds a leaf that lies below several others: a soft layer as wide as the leaf.

@@ -15,6 +15,7 @@
 //!
 //! Lengths are metres, y is up, times are seconds within a flight and days elsewhere.
 
+mod changes;
 mod check;
 mod columns;
 mod contact;
@@ -42,7 +43,7 @@ pub use descent::{Descent, froude, terminal_speed};
 pub use fate::{Counts, Course, Fate};
 pub use flight::{Flight, Motion};
 pub use ground::{Ground, HeightMap, Trunk};
-pub use litter::{Laid, Landed, lot, settle};
+pub use litter::{Laid, Landed, Litter, lot, settle};
 pub use settings::{Decay, Settings};
 pub use shape::{Shape, Side, Stalk};
 pub use wind::Wind;

@@ -11,7 +11,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 /// Parts of a block along its side, as a power of two, on which leaves are taken to meet.
-const PARTS_BITS: u32 = 4;
+pub(super) const PARTS_BITS: u32 = 4;
 /// No block.
 const NONE: u32 = u32::MAX;
 
