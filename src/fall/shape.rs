@@ -20,7 +20,7 @@ const STEEPEST: f64 = 0.7;
 /// Points of a petiole that may touch the ground.
 const STALK: usize = 4;
 /// Distance of the points of a blade, metres, for each fineness: below the side of a cell.
-const POINTS: [f64; 2] = [1.7e-3, 2.4e-3];
+const POINTS: [f64; 2] = [1.5e-3, 2.4e-3];
 /// Most points along one side of a shape.
 const MOST_POINTS: f64 = 256.0;
 /// Distance of the points along a rim, metres, and most parts of one edge.
