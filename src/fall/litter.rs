@@ -19,7 +19,7 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use std::f64::consts::TAU;
 
 /// Leaves over a leaf, in the mean, that press it flat.
-const PRESSES: f32 = 0.6;
+const PRESSES: f32 = 0.5;
 /// Whole covers over a leaf that bury it: what lies under so many is not seen from anywhere.
 const BURIES: u16 = 4;
 
