@@ -35,7 +35,7 @@ impl Changes {
             let is_same = |one: &Kept| one.landed == leaf.landed && one.form == leaf.form && one.extent == leaf.extent;
             let same = same.inspect(|(_, one)| {
                 if !is_same(one) {
-                    changed.mark(one.extent)
+                    changed.mark(one.extent);
                 }
             });
             let same = same.filter(|(_, one)| is_same(one) && !changed.meets(leaf.extent));

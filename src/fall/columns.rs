@@ -57,7 +57,7 @@ pub(super) struct Patch<'a> {
 
 impl Patch<'_> {
     /// A place given in cells, from the first cell.
-    pub(super) fn from_first(&self, [x, z]: [f64; 2]) -> [f32; 2] {
+    pub(super) fn offset(&self, [x, z]: [f64; 2]) -> [f32; 2] {
         [(x - f64::from(self.first[0])) as f32, (z - f64::from(self.first[1])) as f32]
     }
 

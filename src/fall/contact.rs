@@ -111,13 +111,13 @@ impl<'a> Bed<'a> {
     pub(super) fn add(
         &self,
         (tools, is_found): (&mut Tools, bool),
-        patch: Patch<'_>,
+        patch: &mut Patch<'_>,
         shape: &Shape,
         leaf: &Landed,
         Stance { turn, height }: &Stance,
     ) {
         if !is_found {
-            self.find(tools, &patch, shape.rest(leaf.side), leaf, turn);
+            self.find(tools, patch, shape.rest(leaf.side), leaf, turn);
         }
         let level = height + THICKNESS;
         for (found, of_rim) in [(&tools.blade, 0), (&tools.rim, OF_RIM)] {
@@ -144,18 +144,18 @@ impl<'a> Bed<'a> {
     /// The cells below a leaf of this turn.
     fn find(&self, tools: &mut Tools, patch: &Patch<'_>, rest: &Rest, leaf: &Landed, turn: &UnitQuaternion<f64>) {
         let axes = self.axes(turn, leaf);
-        let middle = patch.from_first(in_cells(leaf.place, self.side, 0));
+        let middle = patch.offset(in_cells(leaf.place, self.side, 0));
         let rise = Rise::new(turn, leaf.yaw, self.side);
         tools.blade.find(&rest.blade[self.fineness], &axes, &rise, patch, middle);
         tools.rim.find(&rest.rim[self.fineness], &axes, &Rise::default(), patch, middle);
     }
 
     /// Adds a leaf that lies below several others: a soft layer as wide as the leaf.
-    pub(super) fn bury(&self, patch: Patch<'_>, shape: &Shape, leaf: &Landed) -> Laid {
+    pub(super) fn bury(&self, patch: &mut Patch<'_>, shape: &Shape, leaf: &Landed) -> Laid {
         let rest = shape.rest(leaf.side);
         let radius = (rest.covered * std::f64::consts::FRAC_1_PI).sqrt() * leaf.scale;
-        let [x, z] = patch.from_first(in_cells(leaf.place, self.side, 0));
-        let height = self.top(&patch, patch.cell(x, z));
+        let [x, z] = patch.offset(in_cells(leaf.place, self.side, 0));
+        let height = self.top(patch, patch.cell(x, z));
         let within = (self.side / radius.max(1e-6)) as f32;
         for row in 0..=patch.last[1] as usize {
             for column in 0..=patch.last[0] as usize {
@@ -178,7 +178,7 @@ impl<'a> Bed<'a> {
         let matrix = turn.to_rotation_matrix().into_inner() * leaf.scale;
         let foot = laid.middle - matrix * (rest.level * shape.middle - rest.foot);
         let axes = Axes::new(&matrix, self.side);
-        let [middle_x, middle_z] = patch.from_first(in_cells(leaf.place, self.side, 0));
+        let [middle_x, middle_z] = patch.offset(in_cells(leaf.place, self.side, 0));
         let clear = foot.y as f32 + THICKNESS + 2.0 * self.slack(rest, leaf);
         let is_below = |sample: &Sample| {
             let [x, height, z] = axes.turned([sample.place[0], sample.high, sample.place[1]]);
@@ -202,7 +202,7 @@ impl<'a> Bed<'a> {
         yaw: &UnitQuaternion<f64>,
     ) -> UnitQuaternion<f64> {
         let axes = Axes::new(&(yaw.to_rotation_matrix().into_inner() * leaf.scale), self.side);
-        let middle = patch.from_first(in_cells(leaf.place, self.side, 0));
+        let middle = patch.offset(in_cells(leaf.place, self.side, 0));
         tools.lows.find(&rest.lows, &axes, &Rise::default(), patch, middle);
         let Tools { lows, points, .. } = tools;
         if self.ground.heights.is_none() && lows.is_bare(patch.values) {

@@ -104,7 +104,7 @@ impl Footprint {
                 let tops: [i32; LANES] = units.to_int::<i32x8<_>>().into();
                 for (cell, top) in cells.iter().zip(tops) {
                     if let Some(value) = values.get_mut(*cell as usize) {
-                        *value = (2 * top as u16 | of_rim).max(*value);
+                        *value = ((2 * top as u16) | of_rim).max(*value);
                     }
                 }
             }

@@ -44,7 +44,7 @@ pub(super) fn over(
 
 /// The cells below a leaf, some of them more than once.
 fn cells_below(shape: &Shape, leaf: &Landed, side: f64, patch: &Patch<'_>, cells: &mut Vec<u32>) {
-    let [middle_x, middle_z] = patch.from_first(in_cells(leaf.place, side, WIDER));
+    let [middle_x, middle_z] = patch.offset(in_cells(leaf.place, side, WIDER));
     let (sine, cosine) = crate::base::maths::sincos(leaf.yaw);
     let unit = leaf.scale / (side * f64::from(1 << WIDER));
     let (sine, cosine) = ((sine * unit) as f32, (cosine * unit) as f32);

@@ -130,8 +130,8 @@ impl Litter {
         let schedule = Schedule::new(needed.iter().map(|&rank| (rank, leaves[rank as usize].extent)), bed.bits);
         let mut columns = Columns::new(&schedule, bed.bits);
         let lay = |tools: &mut Tools, region: &mut Region, rank: usize| {
-            tools.with(region, leaves[rank].extent, |tools, patch| {
-                laid(&bed, tools, patch, shapes, &leaves[rank], before(rank))
+            tools.with(region, leaves[rank].extent, |tools, mut patch| {
+                laid(&bed, tools, &mut patch, shapes, &leaves[rank], before(rank))
             })
         };
         let mut found: Vec<Option<(Option<Stance>, Laid)>> = vec![None; order.len()];
@@ -166,7 +166,7 @@ impl Litter {
 fn laid(
     bed: &Bed<'_>,
     tools: &mut Tools,
-    patch: Patch<'_>,
+    patch: &mut Patch<'_>,
     shapes: &[&Shape],
     leaf: &Kept,
     before: Option<&Kept>,
@@ -177,7 +177,7 @@ fn laid(
         return (None, Laid { is_pressed: form.0, ..bed.bury(patch, shape, landed) });
     }
     let kept = before.and_then(|before| before.stance);
-    let stance = kept.unwrap_or_else(|| bed.rest(tools, &patch, shape, landed));
+    let stance = kept.unwrap_or_else(|| bed.rest(tools, patch, shape, landed));
     bed.add((tools, kept.is_none()), patch, shape, landed, &stance);
     (Some(stance), Laid { is_pressed: form.0, ..bed.laid(shape, landed, &stance) })
 }

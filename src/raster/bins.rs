@@ -10,16 +10,12 @@ use std::sync::Arc;
 
 /// How much larger the error of a coarser level may be where leaves lie on the ground: they are seen along it, a few pixels
 /// high, and thousands lie on one another.
-const LYING_ERROR: f32 = 2.5;
+const LYING_ERROR: f32 = 4.0;
 /// Parts of lying leaves that are thinner than this are left out, pixels: stalks.
 const THINNEST: f32 = 0.2;
 /// Instances that one task bins; fixed, so that the order of items does not depend on the threads.
 const CHUNK: usize = 1024;
 
-fn lying() -> f32 {
-    static L: std::sync::OnceLock<f32> = std::sync::OnceLock::new();
-    *L.get_or_init(|| std::env::var("LYERR").ok().and_then(|v| v.parse().ok()).unwrap_or(LYING_ERROR))
-}
 /// A cluster of an instance.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Item {
@@ -84,7 +80,7 @@ impl Bins {
                 for (offset, instance) in instances.iter().enumerate() {
                     let number = (chunk * CHUNK + offset) as u32;
                     let is_fallen = fallen.contains(&(number as usize)) && lod_error > 0.0;
-                    let detail = if is_fallen { [lod_error * lying(), THINNEST] } else { [lod_error, 0.0] };
+                    let detail = if is_fallen { [lod_error * LYING_ERROR, THINNEST] } else { [lod_error, 0.0] };
                     push_items(frame, meshes, projection, detail, limits, (number, instance), &mut items);
                 }
                 items
