@@ -6,7 +6,8 @@
 //! 3. `drift` and `ground`: where it comes to rest: gusts of later days roll it along, litter gathers in patches, and not within
 //!    trunks;
 //! 4. `litter`: how it lies on the ground and on what lies there already: on three points of its shape (`shape`, `support`)
-//!    down to the first contact (`contact`), pressed by what lies over it (`layers`).
+//!    down to the first contact (`contact`), pressed by what lies over it (`layers`). Leaves that do not meet are laid at the
+//!    same time (`schedule`), and what lies as it lay in the frame before is kept (`changes`).
 //!
 //! Every result is a function of the seed, the leaf and the time; the litter of a time is made from all earlier falls, in
 //! the order in which they landed. No step follows from a step before, so a frame alone equals the same frame of a run.
