@@ -126,7 +126,12 @@ impl Inputs {
                 consume(colour::paint_on(&self.canvas, &self.fine, &self.texture_jobs[..1], scene.seed));
             }),
             case("compose", || consume(Stock::new(scene, stand, &self.wardrobe).frame(scene, stand, &self.worn))),
-            case("fall", || consume(self.stock.strewn(scene, stand, &self.falls, frame.clone()))),
+            // without leaves in between, what lies as it lay would not be laid anew
+            case("fall", || {
+                consume(self.stock.strewn(scene, stand, &Falls::default(), frame.clone()));
+                consume(self.stock.strewn(scene, stand, &self.falls, frame.clone()));
+            }),
+            case("fall, as before", || consume(self.stock.strewn(scene, stand, &self.falls, frame.clone()))),
             case(UNIT, || consume(raster::draw(frame))),
             case("raster, with litter", || consume(raster::draw(&self.strewn))),
             Case { threads: 2, ..case("raster", || consume(raster::draw(frame))) },

@@ -180,6 +180,24 @@ fn the_way_of_a_leaf_is_found_once_in_a_run() {
     assert_eq!(stage.figures["ways"].as_u64(), Some(last.grown - last.attached));
 }
 
+#[test]
+fn what_lies_as_it_lay_is_not_laid_anew() {
+    let settled = |sets: &[&str]| {
+        let mut all = vec!["output.png=false", "fall.browning=1", "fall.days=1e5"];
+        all.extend(sets);
+        let (_, report) = rendered(&small(&all), Options::default());
+        let stage = report.stages.iter().find(|stage| stage.name == "fall").unwrap();
+        let lying: u64 = report.frames.iter().map(|frame| frame.fall.unwrap().lying).sum();
+        (stage.figures["settled"].as_u64().unwrap(), lying, report.frames.last().unwrap().fall.unwrap().lying)
+    };
+    // all have fallen, and browning does not move them
+    let (settled_once, lying, last) = settled(&["time.from=100", "time.to=106", "time.step=1"]);
+    assert!(settled_once == last && lying == 7 * last && last > 100, "{settled_once} {lying} {last}");
+    // while leaves fall, those away from the new ones are kept
+    let (settled_often, lying, last) = settled(&["time.from=10", "time.to=12", "time.step=0.1"]);
+    assert!(settled_often >= last && 2 * settled_often < lying, "{settled_often} {lying} {last}");
+}
+
 /// A lying leaf of a GLB whose leaves are nodes: its blade's corners, triangle by triangle, metres.
 fn lying_blades(glb: &[u8]) -> Vec<Vec<[[f64; 3]; 3]>> {
     let json = json(glb);

@@ -8,12 +8,12 @@ use crate::base::figures::{ErrorFigure, Figures};
 use crate::base::mesh::Mesh;
 use crate::base::random::hash;
 use crate::base::vector::{Affine, DVec2, DVec3};
-use crate::fall::{self, Fate, Ground, Landed, Shape, Side, Stalk, Wind};
+use crate::fall::{self, Fate, Ground, Laid, Landed, Litter, Shape, Side, Stalk, Wind};
 use crate::frame::{Frame, Instance, Material, Model, Part};
 use crate::scene::Scene;
 use nalgebra::{Rotation3, UnitQuaternion};
 use rayon::prelude::*;
-use std::sync::Arc;
+use std::sync::{Arc, MutexGuard, PoisonError};
 
 /// Name of the state whose texture a leaf takes on the ground.
 pub const BROWN: &str = "brown";
@@ -164,6 +164,19 @@ impl Stock {
         self.push_material(Material { name, colour, transmission, gloss: 0.0, roughness: 0.95, ..of_leaf })
     }
 
+    /// How leaves lie; what lies as in the frame before is not laid anew.
+    fn laid(&self, ground: &Ground, shapes: &[&Shape], landed: &[Landed]) -> Vec<Laid> {
+        // Taken out while it works: a lock that is held while other threads help would be waited for by one of them.
+        let mut litter = std::mem::take(&mut *self.litter());
+        let laid = litter.settle(ground, shapes, landed);
+        *self.litter() = litter;
+        laid
+    }
+
+    fn litter(&self) -> MutexGuard<'_, Litter> {
+        self.litter.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Adds fallen leaves to a frame.
     #[must_use]
     pub fn strewn(&self, scene: &Scene, stand: &Stand, falls: &Falls, frame: Frame) -> (Frame, Figures) {
@@ -179,7 +192,7 @@ impl Stock {
         frame.fallen = fallen.len();
         let buried = falls.seen.len().saturating_sub(fallen.len());
         frame.instances.append(&mut fallen);
-        (frame, figures(falls).with("buried", buried))
+        (frame, figures(falls).with("buried", buried).with("settled", self.litter().settled))
     }
 }
 
@@ -223,7 +236,7 @@ impl Strewer<'_> {
         let lying = || on_the_way().filter(|(fall, _)| fall.fate.lies());
         let landed: Vec<Landed> = lying().map(|(fall, way)| landed(fall, &way)).collect();
         let shapes: Vec<&Shape> = self.stock.resting.iter().map(|(.., shape)| shape).collect();
-        let laid = fall::settle(&self.ground, &shapes, &landed);
+        let laid = self.stock.laid(&self.ground, &shapes, &landed);
         let flying = on_the_way().filter(|(fall, _)| !fall.fate.lies());
         let flying =
             flying.map(|(fall, way)| self.instance(stand, fall, &way, (way.lying.as_fell, self.flying(fall, &way))));

@@ -39,7 +39,7 @@ use crate::base::mesh::Mesh;
 use crate::base::random::{Purpose, Stream};
 use crate::base::vector::{Affine, DVec3, Mat3, Vec3};
 use crate::colour::Painted;
-use crate::fall::{Shape, Stalk};
+use crate::fall::{Litter, Shape, Stalk};
 use crate::frame::{Frame, Instance, Material, Model, Part, Texture};
 use crate::scene::{Scene, Species, camera::Subject, ground::Cover, image::Backdrop, image::Leaves};
 use crate::tree::LeafSite;
@@ -47,7 +47,7 @@ use litter::{Lying, Stalks};
 use petiole::Petiole;
 use stand::Pose;
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// One shape of a state in one of its textures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -100,6 +100,8 @@ pub struct Stock {
     /// Models of fallen leaves, with their shapes and what their petioles do.
     lying: BTreeMap<(Garment, Petiole, Look), Lying>,
     resting: Vec<(Arc<Mesh>, Stalk, Shape)>,
+    /// The litter of the frame before.
+    litter: Mutex<Litter>,
     /// Meshes of flattened blades and, by length, of lying petioles.
     flat: BTreeMap<Garment, u32>,
     lying_stalks: BTreeMap<u64, u32>,

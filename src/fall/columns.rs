@@ -1,149 +1,206 @@
-//! A field over the ground in square cells, in tiles that are made when something lies in them.
+//! A field over the ground in square cells, in square blocks of them that are made when something lies in them.
+//!
+//! A `Region` is two by two blocks, taken out of the field and put back. Regions that share no block are worked in at the same
+//! time.
 
+use super::schedule::{Schedule, Task};
 use crate::base::vector::DVec2;
+use rayon::prelude::*;
 
-/// Cells along a tile's side, as a power of two.
-const TILE_BITS: u32 = 5;
-const TILE: i32 = 1 << TILE_BITS;
-const TILE_CELLS: usize = (TILE * TILE) as usize;
-/// Most tiles along a side of the plain. What lies farther shares the tiles of what is nearer.
-const MOST: u32 = 2048;
 /// Added to cells before they are rounded towards zero, so that they are rounded down: `floor` is slow on old processors.
 const OFFSET: f64 = (1u32 << 29) as f64;
-/// Most cells along a patch's side: of a larger leaf the rim is looked up in the outermost cells.
-const MOST_PATCH: usize = 1024;
 
-/// The cells about a leaf, copied: they are looked up there by the hundred.
-#[derive(Default)]
-pub(super) struct Patch {
-    column: u32,
-    row: u32,
-    pub side: usize,
-    /// The leaf's place in cells from the first.
-    pub middle: [f32; 2],
-    pub values: Vec<u16>,
+/// The cells that a leaf may reach, the last ones with them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Extent {
+    /// The first column and row.
+    pub low: [u32; 2],
+    /// The last column and row.
+    pub high: [u32; 2],
 }
 
-impl Patch {
+impl Extent {
+    /// The cells of a side within `reach` metres of a place.
+    pub(super) fn new(place: DVec2, reach: f64, side: f64) -> Self {
+        let cell = |metres: f64| (metres / side + OFFSET) as u32;
+        let low = [cell(place.x - reach), cell(place.y - reach)];
+        Self { low, high: [cell(place.x + reach).max(low[0]), cell(place.y + reach).max(low[1])] }
+    }
+
+    /// No more than `2^bits` cells along a side of it.
+    pub(super) fn within(self, bits: u32) -> Self {
+        let low = self.low.map(|cell| cell.min(1 << 30));
+        Self { low, high: [0, 1].map(|axis| self.high[axis].clamp(low[axis], low[axis] + (1 << bits) - 1)) }
+    }
+
+    /// The same in cells that are `2^bits` times as wide.
+    pub(super) fn coarser(self, bits: u32) -> Self {
+        Self { low: self.low.map(|cell| cell >> bits), high: self.high.map(|cell| cell >> bits) }
+    }
+}
+
+/// A place in cells of a side, or in cells that are `2^bits` times as wide.
+pub(super) fn in_cells(place: DVec2, side: f64, bits: u32) -> [f64; 2] {
+    [place.x, place.y].map(|metres| (metres / side + OFFSET) / f64::from(1u32 << bits))
+}
+
+/// The cells about a leaf.
+pub(super) struct Patch<'a> {
+    pub values: &'a mut [u16],
+    /// Cells from a row to the next.
+    pub stride: usize,
+    /// The first column and row.
+    pub first: [u32; 2],
+    /// The last column and row, from the first.
+    pub last: [f32; 2],
+}
+
+impl Patch<'_> {
+    /// A place given in cells, from the first cell.
+    pub(super) fn offset(&self, [x, z]: [f64; 2]) -> [f32; 2] {
+        [(x - f64::from(self.first[0])) as f32, (z - f64::from(self.first[1])) as f32]
+    }
+
     /// The number of the cell in which a point lies, given in cells from the first along x and z.
     #[inline]
     pub(super) fn cell(&self, x: f32, z: f32) -> usize {
-        let last = self.side - 1;
-        (z as usize).min(last) * self.side + (x as usize).min(last)
+        (z.min(self.last[1]) as usize) * self.stride + (x.min(self.last[0]) as usize)
     }
 
-    /// The cell in which a point lies, given in cells from the leaf's place, and what leads from there to the cell's middle.
+    /// The value of a cell.
     #[inline]
-    pub(super) fn cell_of(&self, x: f32, z: f32) -> (usize, [f32; 2]) {
-        // rounding by the lowest bits of a sum: places are positive and small
-        const ROUNDING: f32 = (1u32 << 23) as f32;
-        let last = self.side as u32 - 1;
-        let [x, z] = [x + self.middle[0] - 0.5, z + self.middle[1] - 0.5];
-        let nearest = |place: f32| ((place + ROUNDING).to_bits() & 0x3f_ffff).min(last);
-        let (column, row) = (nearest(x), nearest(z));
-        ((row * self.side as u32 + column) as usize, [column as f32 - x, row as f32 - z])
+    pub(super) fn value(&self, cell: usize) -> u16 {
+        self.values.get(cell).copied().unwrap_or(0)
     }
+}
 
-    /// Where the middle of a cell lies, metres.
-    pub(super) fn place(&self, cell: usize, side: f64) -> DVec2 {
-        let along = |first: u32, cell: usize| (f64::from(first) + cell as f64 + 0.5 - OFFSET) * side;
-        DVec2::new(along(self.column, cell % self.side), along(self.row, cell / self.side))
-    }
+/// Where the middle of a cell lies, metres, by the first cell of its patch.
+pub(super) fn place(first: [u32; 2], stride: usize, cell: usize, side: f64) -> DVec2 {
+    let along = |first: u32, cell: usize| (f64::from(first) + cell as f64 + 0.5 - OFFSET) * side;
+    DVec2::new(along(first[0], cell % stride), along(first[1], cell / stride))
 }
 
 /// The field.
 pub(super) struct Columns {
-    /// Side of a cell, metres.
-    pub side: f64,
-    /// Tiles along both sides less one; their numbers are powers of two, so that tiles wrap by a mask.
-    masks: [u32; 2],
-    /// Bits of a column of tiles.
-    shift: u32,
-    /// Number of each tile, one more; 0 for none.
-    numbers: Vec<u32>,
-    values: Vec<u16>,
+    /// Cells along a block's side, as a power of two.
+    bits: u32,
+    /// The blocks by their numbers in a schedule; empty before they are worked in.
+    blocks: Vec<Vec<u16>>,
 }
 
 impl Columns {
-    /// A field of zeros that reaches over these places with so many metres about them.
-    pub(super) fn new(side: f64, places: impl Iterator<Item = DVec2>, margin: f64) -> Self {
-        let mut bounds: Option<(DVec2, DVec2)> = None;
-        for place in places {
-            let (low, high) = bounds.unwrap_or((place, place));
-            bounds = Some((low.inf(&place), high.sup(&place)));
-        }
-        let (low, high) = bounds.unwrap_or_default();
-        let tiles = (high - low + DVec2::repeat(2.0 * margin)) / (side * f64::from(TILE));
-        let sides = [tiles.x, tiles.y].map(|tiles| (tiles as u32 + 2).min(MOST).next_power_of_two());
-        let numbers = vec![0; (sides[0] * sides[1]) as usize];
-        Self { side, masks: sides.map(|side| side - 1), shift: sides[0].trailing_zeros(), numbers, values: Vec::new() }
+    /// A field of zeros over the blocks of a schedule, each of `2^bits` cells along a side.
+    pub(super) fn new(schedule: &Schedule, bits: u32) -> Self {
+        Self { bits, blocks: vec![Vec::new(); schedule.blocks] }
     }
 
-    /// Copies the cells within `reach` metres of a place into a patch.
-    pub(super) fn lift(&mut self, place: DVec2, reach: f64, patch: &mut Patch) {
-        let cell = |metres: f64| ((metres - reach) / self.side + OFFSET) as u32;
-        (patch.column, patch.row) = (cell(place.x), cell(place.y));
-        patch.side = ((2.0 * reach / self.side) as usize + 2).min(MOST_PATCH);
-        let middle = |metres: f64, first: u32| (metres / self.side + OFFSET - f64::from(first)) as f32;
-        patch.middle = [middle(place.x, patch.column), middle(place.y, patch.row)];
-        patch.values.clear();
-        for row in 0..patch.side as u32 {
-            self.along(patch.row + row, patch.column, patch.side, |part| patch.values.extend_from_slice(part));
-        }
-    }
-
-    /// Writes a patch back.
-    pub(super) fn lower(&mut self, patch: &Patch) {
-        for (row, values) in (patch.row..).zip(patch.values.chunks(patch.side)) {
-            let mut rest = values;
-            self.along(row, patch.column, patch.side, |part| {
-                let (these, others) = rest.split_at(part.len().min(rest.len()));
-                part.copy_from_slice(these);
-                rest = others;
-            });
-        }
-    }
-
-    /// Visits the cells of a row, tile by tile.
-    fn along(&mut self, row: u32, column: u32, count: usize, mut visit: impl FnMut(&mut [u16])) {
-        let within = |cell: u32| cell as usize & (TILE as usize - 1);
-        let down = (row >> TILE_BITS & self.masks[1]) << self.shift;
-        let (mut column, mut left) = (column, count);
-        while left > 0 {
-            let slot = (down | column >> TILE_BITS & self.masks[0]) as usize;
-            if self.numbers[slot] == 0 {
-                self.values.resize(self.values.len() + TILE_CELLS, 0);
-                self.numbers[slot] = (self.values.len() / TILE_CELLS) as u32;
+    /// Does work for every leaf of a schedule; what may touch the same cells is done one after another in the schedule's
+    /// order, or backwards. `keep` gets the answers.
+    pub(super) fn each<S: Default, T: Send>(
+        &mut self,
+        schedule: &Schedule,
+        is_backwards: bool,
+        work: impl Fn(&mut S, &mut Region, usize) -> T + Sync,
+        mut keep: impl FnMut(usize, T),
+    ) {
+        let phases: Vec<&[Task]> = schedule.phases().collect();
+        let count = phases.len();
+        for number in 0..count {
+            let tasks = phases[if is_backwards { count - 1 - number } else { number }];
+            let mut regions: Vec<Region> = tasks.iter().map(|task| self.take(task)).collect();
+            let one = |(task, region): (&Task, &mut Region)| {
+                let mut state = S::default();
+                let leaves = schedule.leaves(task);
+                let mut answer = |&leaf: &u32| work(&mut state, region, leaf as usize);
+                if is_backwards {
+                    leaves.iter().rev().map(&mut answer).collect()
+                } else {
+                    leaves.iter().map(&mut answer).collect::<Vec<T>>()
+                }
+            };
+            let answers: Vec<Vec<T>> = tasks.par_iter().zip(&mut regions).map(one).collect();
+            for ((task, region), mut answers) in tasks.iter().zip(regions).zip(answers) {
+                if is_backwards {
+                    answers.reverse();
+                }
+                schedule.leaves(task).iter().zip(answers).for_each(|(&leaf, answer)| keep(leaf as usize, answer));
+                self.put(task, region);
             }
-            let first = (self.numbers[slot] as usize - 1) * TILE_CELLS + (within(row) << TILE_BITS | within(column));
-            let length = left.min(TILE as usize - within(column));
-            visit(&mut self.values[first..first + length]);
-            column += length as u32;
-            left -= length;
+        }
+    }
+
+    fn take(&mut self, task: &Task) -> Region {
+        let block = |number: u32| self.blocks.get_mut(number as usize).map(std::mem::take).unwrap_or_default();
+        Region { bits: self.bits, corner: task.corner, blocks: task.blocks.map(block) }
+    }
+
+    fn put(&mut self, task: &Task, region: Region) {
+        for (number, block) in task.blocks.into_iter().zip(region.blocks) {
+            if let Some(place) = self.blocks.get_mut(number as usize) {
+                *place = block;
+            }
         }
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// Two by two blocks.
+pub(super) struct Region {
+    bits: u32,
+    /// Column and row of the first block.
+    corner: [u32; 2],
+    blocks: [Vec<u16>; 4],
+}
 
-    #[test]
-    fn what_is_written_at_a_place_is_read_there_from_anywhere() {
-        let places = [DVec2::new(-3.0, 1.0), DVec2::new(2.0, -0.4)];
-        let mut columns = Columns::new(0.01, places.into_iter(), 0.5);
-        let mut patch = Patch::default();
-        for (number, place) in (1u16..).zip(places) {
-            columns.lift(place, 0.2, &mut patch);
-            let cell = patch.cell(patch.middle[0], patch.middle[1]);
-            assert!((patch.place(cell, 0.01) - place).abs().max() <= 0.005 + 1e-9);
-            patch.values[cell] = number;
-            columns.lower(&patch);
+impl Region {
+    /// Works on the cells of an extent within the region: in place, or, where they lie in several blocks, on a copy that is
+    /// written back.
+    pub(super) fn open<R>(&mut self, extent: Extent, copy: &mut Vec<u16>, work: impl FnOnce(Patch<'_>) -> R) -> R {
+        let (stride, bits, mask) = (stride(self.bits), self.bits, (1u32 << self.bits) - 1);
+        let blocks = extent.coarser(bits);
+        let last = [0, 1].map(|axis| (extent.high[axis] - extent.low[axis]) as f32);
+        if blocks.low == blocks.high {
+            let start = (extent.low[1] & mask) as usize * stride + (extent.low[0] & mask) as usize;
+            let values = &mut self.block(blocks.low)[start..];
+            return work(Patch { values, stride, first: extent.low, last });
         }
-        for (number, place) in (1u16..).zip(places) {
-            columns.lift(place + DVec2::new(0.07, -0.05), 0.1, &mut patch);
-            let cell = patch.cell(patch.middle[0] - 7.0, patch.middle[1] + 5.0);
-            assert_eq!((patch.values[cell], patch.values.iter().filter(|&&v| v > 0).count()), (number, 1));
+        copy.clear();
+        self.rows(extent, |part| copy.extend_from_slice(part));
+        let width = (extent.high[0] - extent.low[0]) as usize + 1;
+        let answer = work(Patch { values: copy, stride: width, first: extent.low, last });
+        let mut rest = copy.as_slice();
+        self.rows(extent, |part| {
+            let (these, others) = rest.split_at(part.len());
+            part.copy_from_slice(these);
+            rest = others;
+        });
+        answer
+    }
+
+    /// Visits the cells of an extent row by row, in parts that lie in one block.
+    fn rows(&mut self, extent: Extent, mut visit: impl FnMut(&mut [u16])) {
+        let (stride, bits, mask) = (stride(self.bits), self.bits, (1u32 << self.bits) - 1);
+        for row in extent.low[1]..=extent.high[1] {
+            let mut column = extent.low[0];
+            while column <= extent.high[0] {
+                let end = (column | mask).min(extent.high[0]);
+                let start = (row & mask) as usize * stride + (column & mask) as usize;
+                visit(&mut self.block([column >> bits, row >> bits])[start..start + (end - column) as usize + 1]);
+                column = end + 1;
+            }
         }
     }
+
+    fn block(&mut self, at: [u32; 2]) -> &mut Vec<u16> {
+        let [x, z] = [0, 1].map(|axis| at[axis].wrapping_sub(self.corner[axis]) as usize & 1);
+        let block = &mut self.blocks[2 * z + x];
+        if block.is_empty() {
+            *block = vec![0; stride(self.bits) << self.bits];
+        }
+        block
+    }
+}
+
+/// Cells from a row of a block to the next: not a power of two, at which all rows would share a few lines of a cache.
+fn stride(bits: u32) -> usize {
+    (1 << bits) + (1 << bits >> 3)
 }

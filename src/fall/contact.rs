@@ -5,22 +5,22 @@
 //! middle of its cell, or a point of its rim is met. What it touches is thus within half a cell's diagonal and a thickness;
 //! only rims pass one another, by little.
 
-use super::columns::{Columns, Patch};
+use super::columns::{Extent, Patch, Region, in_cells, place};
 use super::descent::slope;
+use super::footprint::{Axes, Footprint, OF_RIM, Rise, UNIT};
 use super::litter::{Laid, Landed};
-use super::shape::{Rest, Shape};
-use super::support::{Point, support};
+use super::shape::{Points, Rest, Shape};
+use super::support::{Cloud, support};
 use super::{Ground, shape::Sample};
-use crate::base::vector::{DMat3, DVec2, DVec3};
+use crate::base::vector::{DVec2, DVec3};
 use nalgebra::UnitQuaternion;
 
-/// Side of a cell, metres: half its diagonal is below 2 mm.
-const CELL: f64 = 2.5e-3;
+/// Sides of a cell, metres, for each fineness: half the diagonal is below 2 mm. The first keeps contacts of leaves in piles
+/// within 2 mm; of more than `FEW` leaves none is seen from near, and the second takes two thirds of the time.
+const CELLS: [f64; 2] = [1.8e-3, 2.5e-3];
+const FEW: usize = 16_000;
 /// Coarsest cells, of a large stand.
 const COARSEST: f64 = 8e-3;
-/// What one unit of a cell's value is worth, metres. The lowest bit tells that the height is that of a rim.
-const UNIT: f32 = 5e-5;
-const OF_RIM: u16 = 1;
 /// How far rims pass one another, metres: they need not lie one above the other where their vertices lie in one cell.
 const GIVE: f32 = 1e-3;
 /// Room that a blade takes over its lower side, metres: paper and veins.
@@ -33,112 +33,191 @@ const ACCURACY: f64 = 2e-4;
 /// pressed it (beds 6 cm deep of 0.34 to 0.72 kg/m2, Anderson 1982, models 8 and 9, at 60 g/m2 a leaf); under other leaves and
 /// rain it packs closer.
 const BURIED: f32 = 4e-3;
-/// Metres about a leaf's middle that its blade may reach.
-const MARGIN: f64 = 0.5;
+/// Cells along a block's side, as powers of two: a block holds the widest leaf, up to the second. Of a larger leaf the rim is
+/// looked up in the outermost cells.
+const LEAST_BITS: u32 = 9;
+const MOST_BITS: u32 = 10;
 
-/// What leaves come down on, with what is needed on the way.
+/// What leaves come down on.
 pub(super) struct Bed<'a> {
     ground: &'a Ground,
-    columns: Columns,
-    patch: Patch,
-    /// Cells below the leaf, with its height over its foot there and whether that is a rim's.
-    below: Vec<(u32, f32, u16)>,
-    points: Vec<Point>,
+    /// Which of the points of shapes are looked at.
+    fineness: usize,
+    /// Side of a cell, metres.
+    pub side: f64,
+    /// Cells along a block's side, as a power of two.
+    pub bits: u32,
+}
+
+/// How a leaf lies: its turn and the height of its foot, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stance {
+    turn: UnitQuaternion<f64>,
+    height: f32,
+}
+
+/// What is needed on the way down, kept from leaf to leaf.
+#[derive(Default)]
+pub(super) struct Tools {
+    copy: Vec<u16>,
+    points: Cloud,
+    lows: Footprint,
+    blade: Footprint,
+    rim: Footprint,
+}
+
+impl Tools {
+    /// Works on the cells of an extent.
+    pub(super) fn with<R>(
+        &mut self,
+        region: &mut Region,
+        extent: Extent,
+        work: impl FnOnce(&mut Self, Patch<'_>) -> R,
+    ) -> R {
+        let mut copy = std::mem::take(&mut self.copy);
+        let answer = region.open(extent, &mut copy, |patch| work(self, patch));
+        self.copy = copy;
+        answer
+    }
 }
 
 impl<'a> Bed<'a> {
-    /// Bare ground. The cells of large stands are coarser, for the memory's sake.
-    pub(super) fn new(ground: &'a Ground, landed: &[Landed]) -> Self {
+    /// The ground. The cells of large stands are coarser, for the memory's sake.
+    pub(super) fn new(ground: &'a Ground, shapes: &[&Shape], landed: &[Landed]) -> Self {
         let pairs = ground.trunks.len() as f64 / 2.0;
-        let side = (CELL * pairs.max(1.0).sqrt()).min(COARSEST);
-        let columns = Columns::new(side, landed.iter().map(|leaf| leaf.place), MARGIN);
-        Self { ground, columns, patch: Patch::default(), below: Vec::new(), points: Vec::new() }
+        let fineness = usize::from(landed.len() > FEW);
+        let side = (CELLS[fineness] * pairs.max(1.0).sqrt()).min(COARSEST);
+        let widest = landed.iter().map(|leaf| 2.0 * reach(shapes, leaf) / side).fold(0.0, f64::max);
+        let bits = (LEAST_BITS..MOST_BITS).find(|&bits| widest + 2.0 <= f64::from(1u32 << bits)).unwrap_or(MOST_BITS);
+        Self { ground, fineness, side, bits }
     }
 
-    /// Lays a leaf on what is there.
-    pub(super) fn lay(&mut self, shape: &Shape, leaf: &Landed) -> Laid {
+    /// The cells that a leaf may reach.
+    pub(super) fn extent(&self, shapes: &[&Shape], leaf: &Landed) -> Extent {
+        Extent::new(leaf.place, reach(shapes, leaf), self.side).within(self.bits)
+    }
+
+    /// How a leaf comes to rest on what is there.
+    pub(super) fn rest(&self, tools: &mut Tools, patch: &Patch<'_>, shape: &Shape, leaf: &Landed) -> Stance {
         let rest = shape.rest(leaf.side);
-        self.columns.lift(leaf.place, rest.reach * leaf.scale, &mut self.patch);
         let yaw = UnitQuaternion::from_axis_angle(&DVec3::y_axis(), leaf.yaw);
-        let turn = self.leaning(rest, leaf, &yaw) * yaw;
-        let matrix = turn.to_rotation_matrix().into_inner() * leaf.scale;
-        let axes = Axes::new(&matrix, self.columns.side);
-        let height = self.height(rest, &axes, &turn, leaf);
-        for &(cell, over, of_rim) in &self.below {
-            let top = units(height + over + THICKNESS - self.ground_at(cell as usize)) | of_rim;
-            let value = &mut self.patch.values[cell as usize];
-            *value = top.max(*value);
+        let turn = self.leaning(tools, patch, rest, leaf, &yaw) * yaw;
+        let axes = self.axes(&turn, leaf);
+        self.find(tools, patch, rest, leaf, &turn);
+        Stance { turn, height: self.height(tools, patch, rest, &axes, leaf) }
+    }
+
+    /// Adds a leaf that lies so. `is_found`: that it has just come to rest with these tools.
+    pub(super) fn add(
+        &self,
+        (tools, is_found): (&mut Tools, bool),
+        patch: &mut Patch<'_>,
+        shape: &Shape,
+        leaf: &Landed,
+        Stance { turn, height }: &Stance,
+    ) {
+        if !is_found {
+            self.find(tools, patch, shape.rest(leaf.side), leaf, turn);
         }
-        self.columns.lower(&self.patch);
+        let level = height + THICKNESS;
+        for (found, of_rim) in [(&tools.blade, 0), (&tools.rim, OF_RIM)] {
+            match self.ground.heights {
+                None => found.raise(patch.values, level, of_rim, |_| 0.0),
+                Some(_) => found.raise(patch.values, level, of_rim, self.grounds(patch.first, patch.stride)),
+            }
+        }
+    }
+
+    /// The middle and the attitude of a leaf that lies so.
+    pub(super) fn laid(&self, shape: &Shape, leaf: &Landed, Stance { turn, height }: &Stance) -> Laid {
+        let rest = shape.rest(leaf.side);
+        let matrix = turn.to_rotation_matrix().into_inner() * leaf.scale;
         let middle = rest.level * shape.middle - rest.foot;
-        let foot = DVec3::new(leaf.place.x, f64::from(height), leaf.place.y);
+        let foot = DVec3::new(leaf.place.x, f64::from(*height), leaf.place.y);
         Laid { middle: foot + matrix * middle, attitude: turn * rest.level, is_pressed: false, is_buried: false }
     }
 
+    fn axes(&self, turn: &UnitQuaternion<f64>, leaf: &Landed) -> Axes {
+        Axes::new(&(turn.to_rotation_matrix().into_inner() * leaf.scale), self.side)
+    }
+
+    /// The cells below a leaf of this turn.
+    fn find(&self, tools: &mut Tools, patch: &Patch<'_>, rest: &Rest, leaf: &Landed, turn: &UnitQuaternion<f64>) {
+        let axes = self.axes(turn, leaf);
+        let middle = patch.offset(in_cells(leaf.place, self.side, 0));
+        let rise = Rise::new(turn, leaf.yaw, self.side);
+        tools.blade.find(&rest.blade[self.fineness], &axes, &rise, patch, middle);
+        tools.rim.find(&rest.rim[self.fineness], &axes, &Rise::default(), patch, middle);
+    }
+
     /// Adds a leaf that lies below several others: a soft layer as wide as the leaf.
-    pub(super) fn bury(&mut self, shape: &Shape, leaf: &Landed) -> Laid {
+    pub(super) fn bury(&self, patch: &mut Patch<'_>, shape: &Shape, leaf: &Landed) -> Laid {
         let rest = shape.rest(leaf.side);
         let radius = (rest.covered * std::f64::consts::FRAC_1_PI).sqrt() * leaf.scale;
-        self.columns.lift(leaf.place, radius + 2.0 * self.columns.side, &mut self.patch);
-        let [x, z] = self.patch.middle;
-        let centre = self.patch.cell(x, z);
-        let height = self.top(centre);
-        let within = (self.columns.side / radius.max(1e-6)) as f32;
-        for row in 0..self.patch.side {
-            for column in 0..self.patch.side {
+        let [x, z] = patch.offset(in_cells(leaf.place, self.side, 0));
+        let height = self.top(patch, patch.cell(x, z));
+        let within = (self.side / radius.max(1e-6)) as f32;
+        for row in 0..=patch.last[1] as usize {
+            for column in 0..=patch.last[0] as usize {
                 let away = [column as f32 + 0.5 - x, row as f32 + 0.5 - z].map(|cells| cells * within);
                 let share = 1.0 - away[0] * away[0] - away[1] * away[1];
-                if share > 0.0 {
-                    let value = &mut self.patch.values[row * self.patch.side + column];
+                if let Some(value) = patch.values.get_mut(row * patch.stride + column).filter(|_| share > 0.0) {
                     *value = value.saturating_add(units(2.0 * BURIED * share));
                 }
             }
         }
-        self.columns.lower(&self.patch);
         let attitude = UnitQuaternion::from_axis_angle(&DVec3::y_axis(), leaf.yaw) * rest.level;
         let middle = DVec3::new(leaf.place.x, f64::from(height), leaf.place.y);
         Laid { middle, attitude, is_pressed: true, is_buried: true }
     }
 
     /// Whether others lie over every line of a leaf that has been laid.
-    pub(super) fn hides(&mut self, shape: &Shape, leaf: &Landed, laid: &Laid) -> bool {
+    pub(super) fn hides(&self, patch: &Patch<'_>, shape: &Shape, leaf: &Landed, laid: &Laid) -> bool {
         let rest = shape.rest(leaf.side);
         let turn = laid.attitude * rest.level.inverse();
         let matrix = turn.to_rotation_matrix().into_inner() * leaf.scale;
         let foot = laid.middle - matrix * (rest.level * shape.middle - rest.foot);
-        let axes = Axes::new(&matrix, self.columns.side);
-        self.columns.lift(leaf.place, rest.reach * leaf.scale, &mut self.patch);
+        let axes = Axes::new(&matrix, self.side);
+        let [middle_x, middle_z] = patch.offset(in_cells(leaf.place, self.side, 0));
+        let clear = foot.y as f32 + THICKNESS + 2.0 * self.slack(rest, leaf);
         let is_below = |sample: &Sample| {
             let [x, height, z] = axes.turned([sample.place[0], sample.high, sample.place[1]]);
-            let top = self.top(self.patch.cell(self.patch.middle[0] + x, self.patch.middle[1] + z));
-            top > foot.y as f32 + height + THICKNESS + 2.0 * self.slack(rest, leaf)
+            self.top(patch, patch.cell(middle_x + x, middle_z + z)) > clear + height
         };
         !rest.samples.is_empty() && rest.samples.iter().all(is_below)
     }
 
     /// How much the top of a leaf itself may differ within a cell from its height on a line, metres.
     fn slack(&self, rest: &Rest, leaf: &Landed) -> f32 {
-        let rise = rest.samples.iter().fold(0.0f32, |most, sample| most.max(sample.high));
-        2.0 * UNIT + 0.5 * rise * (self.columns.side / (rest.reach * leaf.scale)) as f32
+        2.0 * UNIT + 0.5 * rest.rise * (self.side / (rest.reach * leaf.scale)) as f32
     }
 
     /// The turn by which a leaf lies on three contacts about its middle.
-    fn leaning(&mut self, rest: &Rest, leaf: &Landed, yaw: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
-        let axes = Axes::new(&(yaw.to_rotation_matrix().into_inner() * leaf.scale), self.columns.side);
-        let mut is_bare = self.ground.heights.is_none();
-        self.points.clear();
-        for sample in &rest.samples {
-            let [x, low, z] = axes.turned([sample.place[0], sample.low, sample.place[1]]);
-            let cell = self.patch.cell(self.patch.middle[0] + x, self.patch.middle[1] + z);
-            is_bare &= self.patch.values[cell] == 0;
-            let place = sample.place.map(|metres| f64::from(metres) * leaf.scale);
-            self.points.push([place[0], place[1], f64::from(self.top(cell) - low)]);
+    fn leaning(
+        &self,
+        tools: &mut Tools,
+        patch: &Patch<'_>,
+        rest: &Rest,
+        leaf: &Landed,
+        yaw: &UnitQuaternion<f64>,
+    ) -> UnitQuaternion<f64> {
+        let axes = Axes::new(&(yaw.to_rotation_matrix().into_inner() * leaf.scale), self.side);
+        let middle = patch.offset(in_cells(leaf.place, self.side, 0));
+        tools.lows.find(&rest.lows, &axes, &Rise::default(), patch, middle);
+        let Tools { lows, points, .. } = tools;
+        if self.ground.heights.is_none() && lows.is_bare(patch.values) {
+            return UnitQuaternion::identity();
+        }
+        points.clear();
+        for (sample, (cell, low)) in rest.samples.iter().zip(lows.iter()) {
+            let [x, z] = sample.place.map(|metres| f64::from(metres) * leaf.scale);
+            points.push([x, z, f64::from(self.top(patch, cell) - low)]);
         }
         for point in &rest.stalk {
-            let place = [point[0], point[2]].map(|metres| f64::from(metres) * leaf.scale);
-            self.points.push([place[0], place[1], f64::from(self.met(leaf, axes.turned(*point)))]);
+            let [x, z] = [point[0], point[2]].map(|metres| f64::from(metres) * leaf.scale);
+            points.push([x, z, f64::from(self.met(leaf, axes.turned(*point)))]);
         }
-        let [_, a, b] = if is_bare { [0.0; 3] } else { support(&self.points, slope(STEEPEST), ACCURACY) };
+        let [_, a, b] = support(points, slope(STEEPEST), ACCURACY);
         let size = DVec2::new(a, b).norm();
         if size < 1e-6 {
             return UnitQuaternion::identity();
@@ -148,27 +227,21 @@ impl<'a> Bed<'a> {
         UnitQuaternion::rotation_between(&DVec3::y(), &normal).unwrap_or_else(UnitQuaternion::identity)
     }
 
-    /// The height of a leaf's foot at its first contact, metres; the cells below it are left in `below`.
-    fn height(&mut self, rest: &Rest, axes: &Axes, turn: &UnitQuaternion<f64>, leaf: &Landed) -> f32 {
-        let rise = Rise::new(turn, leaf.yaw, self.columns.side);
-        let mut height = f32::NEG_INFINITY;
-        self.below.clear();
-        for point in &rest.blade {
-            let turned = axes.turned(point.at);
-            let (cell, aside) = self.patch.cell_of(turned[0], turned[2]);
-            let over = turned[1] + rise.over(point.slope, aside);
-            height = height.max(self.top(cell) - over).max(self.met(leaf, turned));
-            self.below.push((cell as u32, over, 0));
-        }
-        for point in &rest.rim {
-            let turned = axes.turned(*point);
-            let (cell, _) = self.patch.cell_of(turned[0], turned[2]);
-            let give = if self.patch.values[cell] & OF_RIM == 0 { 0.0 } else { GIVE };
-            height = height.max(self.top(cell) - turned[1] - give).max(self.met(leaf, turned));
-            self.below.push((cell as u32, turned[1], OF_RIM));
-        }
+    /// The height of a leaf's foot at its first contact, metres.
+    fn height(&self, tools: &Tools, patch: &Patch<'_>, rest: &Rest, axes: &Axes, leaf: &Landed) -> f32 {
+        let met =
+            |points: &Points| points.iter().map(|p| self.met(leaf, axes.turned(p))).fold(f32::NEG_INFINITY, f32::max);
         // a petiole is thinner than a cell: it slips between blades, but not into the ground
-        let height = rest.stalk.iter().map(|point| self.met(leaf, axes.turned(*point))).fold(height, f32::max);
+        let stalk = rest.stalk.iter().map(|p| self.met(leaf, axes.turned(*p))).fold(f32::NEG_INFINITY, f32::max);
+        let ground = match self.ground.heights {
+            None => -tools.blade.lowest.min(tools.rim.lowest),
+            Some(_) => met(&rest.blade[self.fineness]).max(met(&rest.rim[self.fineness])),
+        };
+        let contact = match self.ground.heights {
+            None => contact(tools, patch.values, |_| 0.0),
+            Some(_) => contact(tools, patch.values, self.grounds(patch.first, patch.stride)),
+        };
+        let height = ground.max(stalk).max(contact);
         if height.is_finite() { height } else { 0.0 }
     }
 
@@ -178,65 +251,39 @@ impl<'a> Bed<'a> {
         if self.ground.heights.is_none() {
             return -point[1];
         }
-        let aside = DVec2::new(f64::from(point[0]), f64::from(point[2])) * self.columns.side;
+        let aside = DVec2::new(f64::from(point[0]), f64::from(point[2])) * self.side;
         self.ground.height(leaf.place + aside) as f32 - point[1]
     }
 
     #[inline]
-    fn top(&self, cell: usize) -> f32 {
-        f32::from(self.patch.values[cell] & !OF_RIM) * UNIT + self.ground_at(cell)
+    fn top(&self, patch: &Patch<'_>, cell: usize) -> f32 {
+        f32::from(patch.value(cell) & !OF_RIM) * UNIT + self.ground_at(patch, cell)
     }
 
     #[inline]
-    fn ground_at(&self, cell: usize) -> f32 {
-        match self.ground.heights {
-            None => 0.0,
-            Some(_) => self.ground.height(self.patch.place(cell, self.columns.side)) as f32,
-        }
+    fn ground_at(&self, patch: &Patch<'_>, cell: usize) -> f32 {
+        if self.ground.heights.is_none() { 0.0 } else { self.grounds(patch.first, patch.stride)(cell as i32) }
     }
+
+    /// The height of the ground in the middle of a patch's cells, metres.
+    fn grounds(&self, first: [u32; 2], stride: usize) -> impl Fn(i32) -> f32 + use<'a> {
+        let (side, ground) = (self.side, self.ground);
+        move |cell| ground.height(place(first, stride, cell as usize, side)) as f32
+    }
+}
+
+/// The height of the foot at which a leaf's blade or its rim meets what lies below, metres.
+fn contact(tools: &Tools, values: &[u16], ground: impl Fn(i32) -> f32) -> f32 {
+    tools.blade.highest(values, 0.0, &ground).max(tools.rim.highest(values, GIVE, &ground))
+}
+
+/// How far a leaf may reach about its place, metres.
+fn reach(shapes: &[&Shape], leaf: &Landed) -> f64 {
+    let of = |shape: u32| shapes.get(shape as usize).map_or(0.0, |shape| shape.rest(leaf.side).reach);
+    of(leaf.shape).max(of(leaf.pressed)) * leaf.scale
 }
 
 /// A height as a cell's value, rounded to the nearest.
 fn units(metres: f32) -> u16 {
     ((metres * (0.5 / UNIT) + 0.5) as u16).saturating_mul(2) & !OF_RIM
-}
-
-/// How a leaf's points rise within their cells.
-struct Rise {
-    /// Cosine and sine of its turn, in metres a cell.
-    turn: [f32; 2],
-    /// The slopes along x and z by which it leans, in metres a cell.
-    lean: [f32; 2],
-}
-
-impl Rise {
-    fn new(turn: &UnitQuaternion<f64>, yaw: f64, side: f64) -> Self {
-        let (sine, cosine) = crate::base::maths::sincos(yaw);
-        let up = turn * DVec3::y();
-        let lean = [-up.x / up.y, -up.z / up.y].map(|slope| (slope * side) as f32);
-        Self { turn: [(cosine * side) as f32, (sine * side) as f32], lean }
-    }
-
-    /// The rise of a point of this slope towards the middle of its cell, metres; slopes are taken to add to the lean.
-    #[inline]
-    fn over(&self, [x, z]: [f32; 2], aside: [f32; 2]) -> f32 {
-        let [cosine, sine] = self.turn;
-        (x * cosine + z * sine + self.lean[0]) * aside[0] + (z * cosine - x * sine + self.lean[1]) * aside[1]
-    }
-}
-
-/// The axes of a lying leaf: x and z in cells, y in metres.
-struct Axes([[f32; 3]; 3]);
-
-impl Axes {
-    fn new(matrix: &DMat3, side: f64) -> Self {
-        let unit = [1.0 / side, 1.0, 1.0 / side];
-        Self(std::array::from_fn(|axis| std::array::from_fn(|k| (matrix[(k, axis)] * unit[k]) as f32)))
-    }
-
-    #[inline]
-    fn turned(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
-        let [a, b, c] = &self.0;
-        std::array::from_fn(|k| a[k] * x + b[k] * y + c[k] * z)
-    }
 }

@@ -28,7 +28,7 @@ pub struct Trunk {
 }
 
 /// What leaves lie on.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ground {
     /// The trunks that stand in it.
     pub trunks: Vec<Trunk>,

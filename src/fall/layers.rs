@@ -3,14 +3,15 @@
 //! Counted from the latest landing back to the first on a coarse lattice: what lies over a leaf is what landed on its place
 //! after it. No heights are needed, so it is known before any leaf is laid.
 
-use super::columns::{Columns, Patch};
+use super::columns::{Columns, Extent, Patch, in_cells};
 use super::litter::Landed;
+use super::schedule::Schedule;
 use super::shape::Shape;
 
-/// Side of a cell, metres.
-const CELL: f64 = 0.01;
-/// Metres about a place that a leaf may reach.
-const MARGIN: f64 = 0.5;
+/// How much wider the cells of this lattice are than those in which leaves are laid, as a power of two.
+const WIDER: u32 = 2;
+/// Tells cells in which a leaf has been counted.
+const COUNTED: u16 = 1 << 15;
 
 /// Leaves over a leaf.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,33 +22,52 @@ pub(super) struct Over {
     pub mean: f32,
 }
 
-/// What lies over each leaf; `order` is that of the landings.
-pub(super) fn over(shapes: &[&Shape], landed: &[Landed], order: &[usize]) -> Vec<Over> {
-    let mut columns = Columns::new(CELL, landed.iter().map(|leaf| leaf.place), MARGIN);
+/// What lies over each leaf; `extents` and `schedule` are in cells of `side` metres, `2^bits` along a block's side.
+pub(super) fn over(
+    shapes: &[&Shape],
+    landed: &[Landed],
+    (schedule, extents): (&Schedule, &[Extent]),
+    (side, bits): (f64, u32),
+) -> Vec<Over> {
     let mut found = vec![Over::default(); landed.len()];
-    let mut patch = Patch::default();
-    let mut cells = Vec::new();
-    for &place in order.iter().rev() {
-        let leaf = &landed[place];
-        let Some(shape) = shapes.get(leaf.shape as usize) else { continue };
-        let rest = shape.rest(leaf.side);
-        columns.lift(leaf.place, rest.reach * leaf.scale, &mut patch);
-        let (sine, cosine) = crate::base::maths::sincos(leaf.yaw);
-        let (sine, cosine) = ((sine * leaf.scale / CELL) as f32, (cosine * leaf.scale / CELL) as f32);
-        cells.clear();
-        cells.extend(rest.samples.iter().map(|sample| {
-            let [x, z] = sample.place;
-            patch.cell(patch.middle[0] + x * cosine + z * sine, patch.middle[1] + z * cosine - x * sine)
-        }));
-        cells.sort_unstable();
-        cells.dedup();
-        let counts = || cells.iter().map(|&cell| patch.values[cell]);
-        let sum: f32 = counts().map(f32::from).sum();
-        found[place] = Over { least: counts().min().unwrap_or(0), mean: sum / cells.len().max(1) as f32 };
-        for &cell in &cells {
-            patch.values[cell] = patch.values[cell].saturating_add(1);
-        }
-        columns.lower(&patch);
-    }
+    let work = |(copy, cells): &mut (Vec<u16>, Vec<u32>), region: &mut super::columns::Region, number: usize| {
+        let leaf = &landed[number];
+        let Some(shape) = shapes.get(leaf.shape as usize) else { return Over::default() };
+        region.open(extents[number].coarser(WIDER), copy, |mut patch| {
+            cells_below(shape, leaf, side, &patch, cells);
+            counted(&mut patch, cells)
+        })
+    };
+    Columns::new(schedule, bits - WIDER).each(schedule, true, work, |number, over| found[number] = over);
     found
+}
+
+/// The cells below a leaf, some of them more than once.
+fn cells_below(shape: &Shape, leaf: &Landed, side: f64, patch: &Patch<'_>, cells: &mut Vec<u32>) {
+    let [middle_x, middle_z] = patch.offset(in_cells(leaf.place, side, WIDER));
+    let (sine, cosine) = crate::base::maths::sincos(leaf.yaw);
+    let unit = leaf.scale / (side * f64::from(1 << WIDER));
+    let (sine, cosine) = ((sine * unit) as f32, (cosine * unit) as f32);
+    cells.clear();
+    cells.extend(shape.rest(leaf.side).samples.iter().map(|sample| {
+        let [x, z] = sample.place;
+        patch.cell(middle_x + x * cosine + z * sine, middle_z + z * cosine - x * sine) as u32
+    }));
+}
+
+/// How many leaves have been counted in these cells, to which one is added.
+fn counted(patch: &mut Patch<'_>, cells: &[u32]) -> Over {
+    let (mut least, mut sum, mut count) = (u16::MAX, 0u32, 0u32);
+    for &cell in cells {
+        if let Some(value) = patch.values.get_mut(cell as usize).filter(|value| **value & COUNTED == 0) {
+            (least, sum, count) = (least.min(*value), sum + u32::from(*value), count + 1);
+            *value |= COUNTED;
+        }
+    }
+    for &cell in cells {
+        if let Some(value) = patch.values.get_mut(cell as usize).filter(|value| **value & COUNTED != 0) {
+            *value = ((*value & !COUNTED) + 1).min(COUNTED - 1);
+        }
+    }
+    Over { least: if count == 0 { 0 } else { least }, mean: sum as f32 / count.max(1) as f32 }
 }

@@ -6,17 +6,20 @@
 //! (`layers`) are not laid one by one but add a soft layer. The litter of any day can be made by itself, and the list of its
 //! leaves may come in any order.
 
-use super::contact::Bed;
-use super::layers::{Over, over};
+use super::changes::Changes;
+use super::columns::{Columns, Extent, Patch, Region};
+use super::contact::{Bed, Stance, Tools};
+use super::layers::over;
+use super::schedule::Schedule;
 use super::shape::{Shape, Side};
 use super::{Fallen, Ground};
 use crate::base::random::{Purpose, Stream};
 use crate::base::vector::{DVec2, DVec3};
-use nalgebra::UnitQuaternion;
+use nalgebra::{Quaternion, UnitQuaternion};
 use std::f64::consts::TAU;
 
 /// Leaves over a leaf, in the mean, that press it flat.
-const PRESSES: f32 = 0.8;
+const PRESSES: f32 = 0.5;
 /// Whole covers over a leaf that bury it: what lies under so many is not seen from anywhere.
 const BURIES: u16 = 4;
 
@@ -54,6 +57,14 @@ pub struct Laid {
     pub is_buried: bool,
 }
 
+/// What is told of a leaf without a shape.
+const NOWHERE: Laid = Laid {
+    middle: DVec3::new(0.0, 0.0, 0.0),
+    attitude: UnitQuaternion::new_unchecked(Quaternion::new(1.0, 0.0, 0.0, 0.0)),
+    is_pressed: false,
+    is_buried: false,
+};
+
 /// The side and the turn in which a leaf will lie: either side by chance.
 #[must_use]
 pub fn lot(seed: u64, leaf: &Fallen) -> (Side, f64) {
@@ -65,34 +76,124 @@ pub fn lot(seed: u64, leaf: &Fallen) -> (Side, f64) {
 /// Lays leaves; the answers are in the order in which the leaves are given.
 #[must_use]
 pub fn settle(ground: &Ground, shapes: &[&Shape], landed: &[Landed]) -> Vec<Laid> {
-    let mut order: Vec<usize> = (0..landed.len()).collect();
-    order.sort_unstable_by(|&a, &b| {
-        landed[a].day.total_cmp(&landed[b].day).then(landed[a].leaf.cmp(&landed[b].leaf)).then(a.cmp(&b))
-    });
-    let over = over(shapes, landed, &order);
-    let mut bed = Bed::new(ground, landed);
-    let nowhere =
-        Laid { middle: DVec3::zeros(), attitude: UnitQuaternion::identity(), is_pressed: false, is_buried: false };
-    let mut laid = vec![nowhere; landed.len()];
-    for &place in &order {
-        let (leaf, over) = (&landed[place], over[place]);
-        if let Some((shape, is_pressed)) = worn(shapes, leaf, over) {
-            let is_buried = over.least >= BURIES;
-            let new = if is_buried { bed.bury(shape, leaf) } else { bed.lay(shape, leaf) };
-            laid[place] = Laid { is_pressed, ..new };
-        }
-    }
-    for (place, leaf) in landed.iter().enumerate().filter(|(place, _)| over[*place].least > 0) {
-        if let Some((shape, _)) = worn(shapes, leaf, over[place]).filter(|_| !laid[place].is_buried) {
-            laid[place].is_buried = bed.hides(shape, leaf, &laid[place]);
-        }
-    }
-    laid
+    Litter::default().settle(ground, shapes, landed)
 }
 
-/// The shape in which a leaf lies, and whether that is its pressed one.
-fn worn<'a>(shapes: &[&'a Shape], leaf: &Landed, over: Over) -> Option<(&'a Shape, bool)> {
-    let is_pressed = over.mean >= PRESSES;
+/// Litter that is laid again and again, as days go by: what lies as it lay, on what lies as it lay, is not laid anew. The
+/// answers are those of `settle`.
+#[derive(Clone, Debug, Default)]
+pub struct Litter {
+    /// What the leaves lie on.
+    ground: Ground,
+    /// Sizes of cells: those of leaves that were laid in others are not theirs.
+    cells: (f64, u32),
+    /// All leaves in the order of their landings.
+    kept: Vec<Kept>,
+    /// Leaves laid so far, each time that one was.
+    pub settled: u64,
+}
+
+/// A leaf that has been laid.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kept {
+    pub landed: Landed,
+    pub extent: Extent,
+    /// Whether it lies in its pressed shape, and whether in a soft layer.
+    pub form: (bool, bool),
+    /// How it lies, but in a soft layer.
+    stance: Option<Stance>,
+    laid: Laid,
+}
+
+impl Litter {
+    /// Lays leaves as `settle` does. The shapes have to be the same at each call.
+    pub fn settle(&mut self, ground: &Ground, shapes: &[&Shape], landed: &[Landed]) -> Vec<Laid> {
+        let order = order(landed);
+        let bed = Bed::new(ground, shapes, landed);
+        if self.ground != *ground || self.cells != (bed.side, bed.bits) {
+            *self =
+                Self { ground: ground.clone(), cells: (bed.side, bed.bits), settled: self.settled, ..Self::default() };
+        }
+        let extents: Vec<Extent> = landed.iter().map(|leaf| bed.extent(shapes, leaf)).collect();
+        let of = |leaves: &[u32]| Schedule::new(leaves.iter().map(|&place| (place, extents[place as usize])), bed.bits);
+        let over = over(shapes, landed, (&of(&order), &extents), (bed.side, bed.bits));
+        let new = |&place: &u32| {
+            let (place, leaf) = (place as usize, landed[place as usize]);
+            let form = (over[place].mean >= PRESSES, over[place].least >= BURIES);
+            Kept { landed: leaf, extent: extents[place], form, stance: None, laid: NOWHERE }
+        };
+        let mut leaves: Vec<Kept> = order.iter().map(new).collect();
+        let changes = Changes::new(&self.kept, &leaves, bed.bits);
+        let before = |rank: usize| changes.before[rank].map(|before| &self.kept[before]);
+        let needed: Vec<u32> =
+            (0..order.len()).filter(|&rank| changes.is_needed(rank, &leaves)).map(|rank| rank as u32).collect();
+        let schedule = Schedule::new(needed.iter().map(|&rank| (rank, leaves[rank as usize].extent)), bed.bits);
+        let mut columns = Columns::new(&schedule, bed.bits);
+        let lay = |tools: &mut Tools, region: &mut Region, rank: usize| {
+            tools.with(region, leaves[rank].extent, |tools, mut patch| {
+                laid(&bed, tools, &mut patch, shapes, &leaves[rank], before(rank))
+            })
+        };
+        let mut found: Vec<Option<(Option<Stance>, Laid)>> = vec![None; order.len()];
+        columns.each(&schedule, false, lay, |rank, new| found[rank] = Some(new));
+        for (rank, found) in found.into_iter().enumerate() {
+            let kept = before(rank).map(|before| (before.stance, before.laid));
+            (leaves[rank].stance, leaves[rank].laid) = kept.or(found).unwrap_or((None, NOWHERE));
+        }
+        self.settled += changes.before.iter().filter(|before| before.is_none()).count() as u64;
+        let hides = |tools: &mut Tools, region: &mut Region, rank: usize| {
+            let Kept { landed, extent, form, stance, laid } = &leaves[rank];
+            let over = over[order[rank] as usize];
+            if !changes.is_seen_anew(rank, &leaves) {
+                return laid.is_buried;
+            }
+            let shape = worn(shapes, landed, *form).filter(|_| stance.is_some() && over.least > 0);
+            let own = Laid { is_buried: false, ..*laid };
+            let is_hidden = |shape| tools.with(region, *extent, |_, patch| bed.hides(&patch, shape, landed, &own));
+            form.1 || shape.is_some_and(is_hidden)
+        };
+        let mut hidden: Vec<bool> = leaves.iter().map(|leaf| leaf.laid.is_buried).collect();
+        columns.each(&schedule, false, hides, |rank, is_hidden| hidden[rank] = is_hidden);
+        leaves.iter_mut().zip(hidden).for_each(|(leaf, is_hidden)| leaf.laid.is_buried = is_hidden);
+        let mut all = vec![NOWHERE; landed.len()];
+        order.iter().zip(&leaves).for_each(|(&place, leaf)| all[place as usize] = leaf.laid);
+        self.kept = leaves;
+        all
+    }
+}
+
+/// Lays a leaf, or puts it where it lay before.
+fn laid(
+    bed: &Bed<'_>,
+    tools: &mut Tools,
+    patch: &mut Patch<'_>,
+    shapes: &[&Shape],
+    leaf: &Kept,
+    before: Option<&Kept>,
+) -> (Option<Stance>, Laid) {
+    let Kept { landed, form, .. } = leaf;
+    let Some(shape) = worn(shapes, landed, *form) else { return (None, NOWHERE) };
+    if form.1 {
+        return (None, Laid { is_pressed: form.0, ..bed.bury(patch, shape, landed) });
+    }
+    let kept = before.and_then(|before| before.stance);
+    let stance = kept.unwrap_or_else(|| bed.rest(tools, patch, shape, landed));
+    bed.add((tools, kept.is_none()), patch, shape, landed, &stance);
+    (Some(stance), Laid { is_pressed: form.0, ..bed.laid(shape, landed, &stance) })
+}
+
+/// The order of the landings.
+fn order(landed: &[Landed]) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..landed.len() as u32).collect();
+    order.sort_unstable_by(|&a, &b| {
+        let (one, other) = (&landed[a as usize], &landed[b as usize]);
+        one.day.total_cmp(&other.day).then(one.leaf.cmp(&other.leaf)).then(a.cmp(&b))
+    });
+    order
+}
+
+/// The shape in which a leaf lies.
+fn worn<'a>(shapes: &[&'a Shape], leaf: &Landed, (is_pressed, _): (bool, bool)) -> Option<&'a Shape> {
     let number = if is_pressed { leaf.pressed } else { leaf.shape };
-    Some((shapes.get(number as usize)?, is_pressed))
+    shapes.get(number as usize).copied()
 }

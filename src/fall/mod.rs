@@ -6,7 +6,8 @@
 //! 3. `drift` and `ground`: where it comes to rest: gusts of later days roll it along, litter gathers in patches, and not within
 //!    trunks;
 //! 4. `litter`: how it lies on the ground and on what lies there already: on three points of its shape (`shape`, `support`)
-//!    down to the first contact (`contact`), pressed by what lies over it (`layers`).
+//!    down to the first contact (`contact`), pressed by what lies over it (`layers`). Leaves that do not meet are laid at the
+//!    same time (`schedule`), and what lies as it lay in the frame before is kept (`changes`).
 //!
 //! Every result is a function of the seed, the leaf and the time; the litter of a time is made from all earlier falls, in
 //! the order in which they landed. No step follows from a step before, so a frame alone equals the same frame of a run.
@@ -15,6 +16,7 @@
 //!
 //! Lengths are metres, y is up, times are seconds within a flight and days elsewhere.
 
+mod changes;
 mod check;
 mod columns;
 mod contact;
@@ -22,12 +24,14 @@ mod descent;
 mod drift;
 mod fate;
 mod flight;
+mod footprint;
 mod ground;
 mod layers;
 mod lines;
 mod litter;
 #[cfg(test)]
 mod pile_tests;
+mod schedule;
 mod settings;
 mod shape;
 mod support;
@@ -40,7 +44,7 @@ pub use descent::{Descent, froude, terminal_speed};
 pub use fate::{Counts, Course, Fate};
 pub use flight::{Flight, Motion};
 pub use ground::{Ground, HeightMap, Trunk};
-pub use litter::{Laid, Landed, lot, settle};
+pub use litter::{Laid, Landed, Litter, lot, settle};
 pub use settings::{Decay, Settings};
 pub use shape::{Shape, Side, Stalk};
 pub use wind::Wind;

@@ -66,6 +66,27 @@ fn the_list_may_come_in_any_order_and_what_is_pressed_by_nothing_rests_on_earlie
     assert!(laid.iter().any(|laid| laid.is_pressed) && laid.iter().any(|laid| !laid.is_pressed));
 }
 
+#[test]
+fn litter_that_is_laid_from_day_to_day_lies_as_if_it_were_laid_at_once() {
+    let shapes: Vec<Shape> = shapes().iter().map(|mesh| Shape::new(mesh, Stalk::default())).collect();
+    let shapes: Vec<&Shape> = shapes.iter().collect();
+    let (ground, all) = (Ground::default(), heap(900, 0.9));
+    let mut litter = Litter::default();
+    let mut laid = Vec::new();
+    for (from, to) in
+        [(0, 500), (0, 530), (0, 530), (20, 530), (20, 900), (21, 900), (300, 880), (880, 900), (0, 0), (0, 9)]
+    {
+        let mut landed = all[from..to].to_vec();
+        // some are flat by now, and the list comes in another order
+        landed.iter_mut().filter(|leaf| leaf.day * 3e3 < from as f64).for_each(|leaf| leaf.shape = leaf.pressed);
+        landed.reverse();
+        let before = litter.settled;
+        assert!(litter.settle(&ground, &shapes, &landed) == settle(&ground, &shapes, &landed), "{from} to {to}");
+        laid.push(litter.settled - before);
+    }
+    assert!(laid[0] == 500 && laid[1] < 250 && laid[2] == 0 && laid[5] < 250 && laid[9] == 9, "{laid:?}");
+}
+
 /// Surfaces over a square of ground: the top of what has been added.
 struct Tops {
     side: usize,

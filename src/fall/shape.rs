@@ -4,8 +4,9 @@
 //! it is the one that is highest at the centre: the maximum of the concave function min_i (h_i - a p_i - b q_i) of the slopes
 //! a and b, found by nested golden sections. A curled leaf thus stands on its rims and a flat one lies.
 
+use super::footprint::LANES;
 use super::lines::{End, Line, Lines};
-use super::support::support;
+use super::support::{Cloud, support};
 use crate::base::mesh::Mesh;
 use crate::base::vector::{DVec2, DVec3, Vec3};
 use nalgebra::{Rotation3, UnitQuaternion};
@@ -18,12 +19,12 @@ const MOST: f64 = 24.0;
 const STEEPEST: f64 = 0.7;
 /// Points of a petiole that may touch the ground.
 const STALK: usize = 4;
-/// Distance of the points of a blade, metres: below the side of a cell.
-const POINT: f64 = 2.4e-3;
+/// Distance of the points of a blade, metres, for each fineness: below the side of a cell.
+const POINTS: [f64; 2] = [1.5e-3, 2.4e-3];
 /// Most points along one side of a shape.
 const MOST_POINTS: f64 = 256.0;
 /// Distance of the points along a rim, metres, and most parts of one edge.
-const RIM: f64 = 2.2e-3;
+const RIMS: [f64; 2] = [1.5e-3, 2.2e-3];
 const MOST_PARTS: u32 = 64;
 /// Room about what a leaf may reach, metres.
 const ROOM: f64 = 0.01;
@@ -57,13 +58,43 @@ pub(super) struct Sample {
     pub high: f32,
 }
 
-/// A point of a lying blade of scale 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Point {
-    /// Along x from the middle, height over the ground, along z, metres.
-    pub at: [f32; 3],
-    /// How it rises along x and z, metres a metre.
-    pub slope: [f32; 2],
+/// Points of a lying blade of scale 1, coordinate by coordinate.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Group {
+    /// Along x from the middle, heights over the ground, along z, metres.
+    pub at: [[f32; LANES]; 3],
+    /// How the blade rises there along x and z, metres a metre.
+    pub slope: [[f32; LANES]; 2],
+}
+
+/// Points in groups; the last one is filled up with its first point.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Points {
+    groups: Vec<Group>,
+}
+
+impl Points {
+    fn new(points: impl Iterator<Item = ([f32; 3], [f32; 2])>) -> Self {
+        let points: Vec<([f32; 3], [f32; 2])> = points.collect();
+        let group = |points: &[([f32; 3], [f32; 2])]| {
+            let lane = |lane: usize| points.get(lane).unwrap_or(&points[0]);
+            Group {
+                at: std::array::from_fn(|k| std::array::from_fn(|n| lane(n).0[k])),
+                slope: std::array::from_fn(|k| std::array::from_fn(|n| lane(n).1[k])),
+            }
+        };
+        Self { groups: points.chunks(LANES).map(group).collect() }
+    }
+
+    /// The groups.
+    pub(super) fn groups(&self) -> &[Group] {
+        &self.groups
+    }
+
+    /// All points; some more than once.
+    pub(super) fn iter(&self) -> impl Iterator<Item = [f32; 3]> {
+        self.groups.iter().flat_map(|group| (0..LANES).map(|lane| group.at.map(|values| values[lane])))
+    }
 }
 
 /// A shape as it lies on one side.
@@ -73,14 +104,18 @@ pub(super) struct Rest {
     pub level: UnitQuaternion<f64>,
     /// The point of the turned model that lies on the ground below its middle, metres.
     pub foot: DVec3,
-    /// Points of the blade, closer than cells.
-    pub blade: Vec<Point>,
-    /// Points of its rim: along x from the middle, height over the ground, along z, metres.
-    pub rim: Vec<[f32; 3]>,
+    /// Points of the blade, closer than cells, for each fineness.
+    pub blade: [Points; 2],
+    /// Points of its rim, with no slope.
+    pub rim: [Points; 2],
     /// Points of the petiole.
     pub stalk: Vec<[f32; 3]>,
     /// Lines through the blade.
     pub samples: Vec<Sample>,
+    /// Their lowest points, with no slope.
+    pub lows: Points,
+    /// The height of the highest of them, metres.
+    pub rise: f32,
     /// Area that the blade covers, m2.
     pub covered: f64,
     /// Within so many metres of the middle lies all of it, however it leans.
@@ -159,42 +194,46 @@ fn rest(mesh: &Mesh, stalk: Vec3, middle: DVec3, side: Side) -> Rest {
     let lowest = if lowest.is_finite() { lowest } else { 0.0 };
     let (vertices, stalk) = turned.split_at(mesh.positions.len());
     let coarse = Lines::new(vertices, &mesh.triangles, SAMPLE, MOST);
-    let fine = Lines::new(vertices, &mesh.triangles, POINT, MOST_POINTS);
+    let fine = POINTS.map(|apart| Lines::new(vertices, &mesh.triangles, apart, MOST_POINTS));
     let foot = level * middle + DVec3::new(0.0, lowest, 0.0);
     let reach = turned.iter().map(|p| p.norm() + p.y - lowest).fold(0.0, f64::max) + ROOM;
     let covered = coarse.lines.len() as f64 * coarse.step * coarse.step;
-    let single = |points: &[DVec3]| points.iter().map(|p| [p.x as f32, (p.y - lowest) as f32, p.z as f32]).collect();
+    let single = |points: &[DVec3]| -> Vec<[f32; 3]> {
+        points.iter().map(|p| [p.x as f32, (p.y - lowest) as f32, p.z as f32]).collect()
+    };
     let height = |end: End| (end.height - lowest) as f32;
     let sample = |line: &Line| Sample {
         place: [line.place.x as f32, line.place.y as f32],
         low: height(line.low),
         high: height(line.high),
     };
-    let point = |(place, end): (DVec2, End)| Point {
-        at: [place.x as f32, height(end), place.y as f32],
-        slope: [end.slope.x as f32, end.slope.y as f32],
+    let point = |(place, end): (DVec2, End)| {
+        ([place.x as f32, height(end), place.y as f32], [end.slope.x as f32, end.slope.y as f32])
     };
+    let rim = RIMS.map(|apart| single(&along_rim(vertices, &mesh.triangles, apart)));
     Rest {
         level,
         foot,
-        blade: fine.ends().map(point).collect(),
-        rim: single(&along_rim(vertices, &mesh.triangles)),
+        blade: fine.map(|lines| Points::new(lines.ends().map(point))),
+        rim: rim.map(|rim| Points::new(rim.into_iter().map(|at| (at, [0.0; 2])))),
         stalk: single(stalk),
+        rise: coarse.lines.iter().map(|line| height(line.high)).fold(0.0, f32::max),
+        lows: Points::new(coarse.lines.iter().map(sample).map(|s| ([s.place[0], s.low, s.place[1]], [0.0; 2]))),
         samples: coarse.lines.iter().map(sample).collect(),
         covered,
         reach,
     }
 }
 
-/// Points along the edges that belong to one triangle only.
-fn along_rim(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
+/// Points along the edges that belong to one triangle only, so many metres apart.
+fn along_rim(points: &[DVec3], triangles: &[[u32; 3]], apart: f64) -> Vec<DVec3> {
     let edge = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
     let mut edges: Vec<[u32; 2]> = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]].map(edge)).collect();
     edges.sort_unstable();
     let rim = edges.chunk_by(|one, next| one == next).filter(|same| same.len() == 1).map(|same| same[0]);
     let between = |[a, b]: [u32; 2]| {
         let (from, to) = (points[a as usize], points[b as usize]);
-        let parts = ((to - from).norm() / RIM) as u32 + 1;
+        let parts = ((to - from).norm() / apart) as u32 + 1;
         (0..parts.min(MOST_PARTS)).map(move |part| from + (to - from) * (f64::from(part) / f64::from(parts)))
     };
     rim.flat_map(between).collect()
@@ -202,7 +241,8 @@ fn along_rim(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
 
 /// Slopes along x and z of the plane that carries the points.
 fn carrying(points: &[DVec3]) -> [f64; 2] {
-    let hanging: Vec<[f64; 3]> = points.iter().map(|p| [p.x, p.z, -p.y]).collect();
+    let mut hanging = Cloud::default();
+    points.iter().for_each(|p| hanging.push([p.x, p.z, -p.y]));
     let [_, a, b] = support(&hanging, STEEPEST, 1e-7);
     [-a, -b]
 }
@@ -250,7 +290,7 @@ mod tests {
         }
         let shape = Shape::new(&mesh, Stalk::default());
         let rest = shape.rest(Side::Lower);
-        let points = rest.rim.iter().chain(rest.blade.iter().map(|point| &point.at));
+        let points = rest.rim[0].iter().chain(rest.blade[0].iter());
         let feet = points.filter(|v| v[1] < 3e-4);
         let feet: Vec<DVec2> = feet.map(|v| DVec2::new(f64::from(v[0]), f64::from(v[2]))).collect();
         let around = (0..8).all(|k| {

@@ -7,6 +7,9 @@
 //! three unknowns, solved by the simplex method on its dual. Each step exchanges one of three contacts for the point that
 //! the plane leaves highest above it.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch, f64x4};
+
 /// Distance of the points that bound the slopes, over the lengths of bodies.
 const FAR: f64 = 1e3;
 /// Most exchanges; bodies take a dozen.
@@ -15,10 +18,73 @@ const MOST_STEPS: usize = 48;
 /// A point: along x, along z, height.
 pub(super) type Point = [f64; 3];
 
+/// Points that are looked at together.
+const LANES: usize = 4;
+
+/// Points coordinate by coordinate.
+#[derive(Default)]
+pub(super) struct Cloud(Vec<[[f64; LANES]; 3]>, usize);
+
+impl Cloud {
+    /// Takes all points away.
+    pub(super) fn clear(&mut self) {
+        self.0.clear();
+        self.1 = 0;
+    }
+
+    /// Adds a point.
+    pub(super) fn push(&mut self, point: Point) {
+        let lane = self.1 % LANES;
+        if lane == 0 {
+            // the others of its group are the same point until they are added
+            self.0.push(point.map(|value| [value; LANES]));
+        } else if let Some(group) = self.0.last_mut() {
+            group.iter_mut().zip(point).for_each(|(values, value)| values[lane] = value);
+        }
+        self.1 += 1;
+    }
+
+    /// The point that lies highest above a plane, by more than `least`; the first of several.
+    fn highest(&self, plane: [f64; 3], least: f64) -> Option<Point> {
+        let (lanes, groups) =
+            dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || self.highest_with(simd, plane, least)));
+        let mut best = (least, f64::INFINITY, 0);
+        for lane in 0..LANES {
+            if lanes[lane] > best.0 || (lanes[lane] == best.0 && groups[lane] < best.1) {
+                best = (lanes[lane], groups[lane], lane);
+            }
+        }
+        let group = self.0.get(best.1 as usize).filter(|_| best.1.is_finite())?;
+        Some(group.map(|values| values[best.2]))
+    }
+
+    /// The highest of every lane over a plane, with its group.
+    #[inline(always)]
+    fn highest_with<W: Simd>(&self, simd: W, [c, a, b]: [f64; 3], least: f64) -> ([f64; LANES], [f64; LANES]) {
+        let mut highest = f64x4::splat(simd, least);
+        let mut groups = f64x4::splat(simd, f64::INFINITY);
+        let mut number = 0.0;
+        for [x, z, height] in &self.0 {
+            let [x, z, height] = [x, z, height].map(|values| f64x4::simd_from(simd, *values));
+            let over = height - c - x * a - z * b;
+            let is_higher = over.simd_gt(highest);
+            highest = is_higher.select(over, highest);
+            groups = is_higher.select(f64x4::splat(simd, number), groups);
+            number += 1.0;
+        }
+        (highest.into(), groups.into())
+    }
+
+    /// The height of the highest point.
+    fn top(&self) -> f64 {
+        self.0.iter().flat_map(|group| group[2]).fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
 /// The height at the origin and the slopes along x and z of the lowest plane over the points. Slopes reach to about `steepest`;
 /// `accuracy` is how far a point may lie above the plane. Without points it is the plane at 0.
-pub(super) fn support(points: &[Point], steepest: f64, accuracy: f64) -> [f64; 3] {
-    let top = points.iter().map(|p| p[2]).fold(f64::NEG_INFINITY, f64::max);
+pub(super) fn support(points: &Cloud, steepest: f64, accuracy: f64) -> [f64; 3] {
+    let top = points.top();
     if !top.is_finite() {
         return [0.0; 3];
     }
@@ -27,15 +93,7 @@ pub(super) fn support(points: &[Point], steepest: f64, accuracy: f64) -> [f64; 3
     let mut feet = [[FAR, 0.0, low], [-0.5 * FAR, 0.87 * FAR, low], [-0.5 * FAR, -0.87 * FAR, low]];
     let mut plane = [low, 0.0, 0.0];
     for _ in 0..MOST_STEPS {
-        let over = |p: &Point| p[2] - plane[0] - plane[1] * p[0] - plane[2] * p[1];
-        let mut highest = (accuracy, None);
-        for point in points {
-            let over = over(point);
-            if over > highest.0 {
-                highest = (over, Some(*point));
-            }
-        }
-        let Some(next) = highest.1.and_then(|point| exchanged(&feet, point)) else { break };
+        let Some(next) = points.highest(plane, accuracy).and_then(|point| exchanged(&feet, point)) else { break };
         let Some(through) = through(&next) else { break };
         (feet, plane) = (next, through);
     }
@@ -82,6 +140,12 @@ fn through(feet: &[Point; 3]) -> Option<[f64; 3]> {
 mod tests {
     use super::*;
     use crate::base::random::{Purpose, Stream};
+
+    fn support(points: &[Point], steepest: f64, accuracy: f64) -> [f64; 3] {
+        let mut cloud = Cloud::default();
+        points.iter().for_each(|point| cloud.push(*point));
+        super::support(&cloud, steepest, accuracy)
+    }
 
     #[test]
     fn three_points_about_the_origin_carry_a_plane_and_slopes_are_bounded() {

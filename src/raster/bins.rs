@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// How much larger the error of a coarser level may be where leaves lie on the ground: they are seen along it, a few pixels
 /// high, and thousands lie on one another.
-const LYING_ERROR: f32 = 2.5;
+const LYING_ERROR: f32 = 4.0;
 /// Parts of lying leaves that are thinner than this are left out, pixels: stalks.
 const THINNEST: f32 = 0.2;
 /// Instances that one task bins; fixed, so that the order of items does not depend on the threads.
