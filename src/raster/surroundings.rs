@@ -65,8 +65,8 @@ impl Prepared<'_> {
     fn plain(&self) -> Option<[f32; 3]> {
         match self.frame.background {
             Background::Sky => None,
-            Background::Plain(colour) => Some(self.tone.undone(colour).map(|c| c / self.frame.view.exposure)),
-            Background::Transparent => Some([0.0; 3]),
+            // It is no light: pictures are laid over it when they are encoded.
+            Background::Plain(_) | Background::Transparent => Some([0.0; 3]),
         }
     }
 

@@ -137,7 +137,7 @@ impl<const S: usize> Workspace<S> {
 
     /// Adds what the samples show to the sums of their pixels.
     fn shade(&mut self, prepared: &Prepared, bins: &Bins, corner: Corner, pattern: &[[i32; 2]; S]) {
-        let is_open = prepared.frame.background == frame::Background::Transparent;
+        let is_open = prepared.frame.background != frame::Background::Sky;
         let offsets = pattern.map(|p| p.map(|step| step as f32 / SUBPIXEL as f32));
         let middle = offsets.iter().fold([0.0; 2], |[x, y], offset| [x + offset[0], y + offset[1]]);
         let [width, height] = corner.extent(prepared);
@@ -182,13 +182,16 @@ impl<const S: usize> Workspace<S> {
         let lit: &[Sums] = if prepared.wanted.radiance { &self.sums } else { &[] };
         let radiance = lit.iter().flat_map(|sums| (0..LANES).map(|lane| sums.light(lane, count))).collect();
         let mut pixels = Pixels { colours: vec![[0; 4]; SIDE * SIDE], sites, radiance, squared_error: 0.0 };
+        let plain = plain(prepared.frame);
         dispatch!(Level::new(), simd => simd.vectorize(
             #[inline(always)]
             || {
                 let eights = pixels.colours.as_chunks_mut::<LANES>().0.iter_mut().zip(&self.sums);
                 for (number, (colours, sums)) in eights.enumerate() {
-                    let (mean, alpha) = sums.mean(count);
-                    let codes = prepared.tone.codes(simd, &mean, corner.y + number * LANES / SIDE);
+                    let mean = sums.mean();
+                    let share = sums.covered.map(|covered| covered / count as f32);
+                    let codes = prepared.tone.codes(simd, &mean, (&share, plain), corner.y + number * LANES / SIDE);
+                    let alpha = share.map(|share| if plain.is_some() { 255 } else { (255.0 * share + 0.5) as u8 });
                     for lane in 0..LANES {
                         let [r, g, b] = codes[lane];
                         colours[lane] = if alpha[lane] == 0 { [0; 4] } else { [r, g, b, alpha[lane]] };
@@ -249,16 +252,16 @@ impl Sums {
         self.covered[lane] += samples;
     }
 
-    /// The mean of what is shown, and the share that shows anything of `count` samples, 0 to 255.
+    /// The mean of what is shown.
     #[inline(always)]
-    fn mean(&self, count: u32) -> (Colours, [u8; LANES]) {
+    fn mean(&self) -> Colours {
         let mut mean = self.colour;
         for channel in &mut mean {
             for lane in 0..LANES {
                 channel[lane] /= self.covered[lane].max(1.0);
             }
         }
-        (mean, self.covered.map(|covered| (255.0 * covered / count as f32 + 0.5) as u8))
+        mean
     }
 
     /// The mean of what a pixel shows and the share of `count` samples that show anything.
@@ -281,6 +284,14 @@ impl Sums {
             }
         }
         errors.iter().map(|error| f64::from(*error)).sum()
+    }
+}
+
+/// The colour that a frame is laid over.
+pub(super) fn plain(frame: &frame::Frame) -> Option<[f32; 3]> {
+    match frame.background {
+        frame::Background::Plain(colour) => Some(colour),
+        frame::Background::Sky | frame::Background::Transparent => None,
     }
 }
 

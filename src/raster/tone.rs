@@ -1,9 +1,9 @@
 //! From radiance to 8-bit sRGB: white balance, tone curve, encoding.
 
+use super::tile::plain;
 use crate::base::encoding::SrgbEncoder;
-use crate::base::maths::{exp2f, linear_to_srgb, log2f, powf};
-use crate::base::vector::{Mat3, Vec3};
-use crate::frame::{ToneMap, UNBALANCED, View};
+use crate::base::maths::{linear_to_srgb, log2f, powf};
+use crate::frame::{Frame, ToneMap, UNBALANCED, View};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch, f32x8};
 use rayon::prelude::*;
@@ -39,13 +39,27 @@ impl Tone {
 
     /// The codes of exposed linear colours in row `y` of the picture, from a column on that is a multiple of their number: with
     /// a threshold from an ordered pattern instead of a half, so that slow gradients have no bands. Without a tone curve codes
-    /// are for measuring, and are rounded.
+    /// are for measuring, and are rounded. What is shown is laid over a plain colour by its share of each pixel.
     #[inline(always)]
-    pub(super) fn codes<W: Simd>(&self, simd: W, colours: &Colours, y: usize) -> [[u8; 3]; LANES] {
+    pub(super) fn codes<W: Simd>(
+        &self,
+        simd: W,
+        colours: &Colours,
+        (share, plain): (&[f32; LANES], Option<[f32; 3]>),
+        y: usize,
+    ) -> [[u8; 3]; LANES] {
         let [red, green, blue] = colours;
         let load = |channel: &[f32; LANES]| f32x8::from_slice(simd, channel);
-        let mapped = self.mapped(simd, [load(red), load(green), load(blue)]);
-        let thresholds = load(&self.thresholds[y % LANES]);
+        let mut mapped = self.mapped(simd, [load(red), load(green), load(blue)]);
+        let mut thresholds = load(&self.thresholds[y % LANES]);
+        if let Some(colour) = plain {
+            let share = load(share);
+            let rest = f32x8::splat(simd, 1.0) - share;
+            for k in 0..3 {
+                mapped[k] = mapped[k] * share + rest * colour[k];
+            }
+            thresholds *= share;
+        }
         let mut codes = [[0; 3]; LANES];
         for k in 0..3 {
             let dithered =
@@ -77,30 +91,6 @@ impl Tone {
         }
     }
 
-    /// The exposed linear colour that is shown as a linear colour below 1: what white balance and curve make of it, undone.
-    /// AgX shows no pure colours; those come out paler.
-    pub(super) fn undone(&self, shown: [f32; 3]) -> [f32; 3] {
-        let colour = match self.map {
-            ToneMap::Neutral => neutral_undone(shown),
-            ToneMap::Agx => self.agx_undone(shown),
-            ToneMap::None => shown,
-        };
-        let Some(rows) = &self.balance else { return colour };
-        let map = Mat3::from_fn(|row, column| rows[row][column]);
-        map.try_inverse().map_or(colour, |inverse| (inverse * Vec3::from(colour)).into())
-    }
-
-    fn agx_undone(&self, shown: [f32; 3]) -> [f32; 3] {
-        let curved = times(&AGX_INSET, shown.map(|c| powf(c.clamp(0.0, 0.99), 1.0 / 2.2)));
-        let inset = curved.map(|value| {
-            let above = self.curve.partition_point(|&reached| reached < value).clamp(1, AGX_STEPS - 1);
-            let (low, high) = (self.curve[above - 1], self.curve[above]);
-            let place = (above - 1) as f32 + ((value - low) / (high - low).max(1e-9)).clamp(0.0, 1.0);
-            exp2f(AGX_RANGE[0] + place / (AGX_STEPS - 1) as f32 * (AGX_RANGE[1] - AGX_RANGE[0]))
-        });
-        times(&AGX_OUTSET, inset)
-    }
-
     /// AgX (Sobotka 2022): into a narrower gamut, a sigmoid over the logarithm, and back.
     fn agx<W: Simd>(&self, simd: W, [red, green, blue]: [f32x8<W>; 3]) -> [f32x8<W>; 3] {
         let mut channels: Colours = [[0.0; LANES]; 3];
@@ -120,11 +110,12 @@ impl Tone {
     }
 }
 
-/// The codes of 16 bits of exposed linear colours with their alpha: what a view's white balance and tone curve make of them,
-/// in sRGB. Slow gradients need no dither in so many steps.
+/// The codes of 16 bits of a frame's exposed linear colours with their alpha: what its white balance and tone curve make of
+/// them, over its plain background, in sRGB. Slow gradients need no dither in so many steps.
 #[must_use]
-pub fn developed(view: &View, radiance: &[[f32; 4]]) -> Vec<[u16; 4]> {
-    let tone = Tone::new(view);
+pub fn developed(frame: &Frame, radiance: &[[f32; 4]]) -> Vec<[u16; 4]> {
+    let tone = Tone::new(&frame.view);
+    let plain = plain(frame);
     let eight = |pixels: &[[f32; 4]]| {
         let mut colours: Colours = [[0.0; LANES]; 3];
         for (lane, pixel) in pixels.iter().enumerate() {
@@ -136,8 +127,13 @@ pub fn developed(view: &View, radiance: &[[f32; 4]]) -> Vec<[u16; 4]> {
         });
         let code = |value: f32| (value.clamp(0.0, 1.0) * 65535.0 + 0.5) as u16;
         let codes = |(lane, pixel): (usize, &[f32; 4])| {
-            let [red, green, blue] = mapped.map(|channel| code(linear_to_srgb(channel[lane])));
-            [red, green, blue, code(pixel[3])]
+            let share = pixel[3];
+            let laid = |k: usize| match plain {
+                Some(colour) => mapped[k][lane] * share + colour[k] * (1.0 - share),
+                None => mapped[k][lane],
+            };
+            let [red, green, blue] = [0, 1, 2].map(|k| code(linear_to_srgb(laid(k))));
+            [red, green, blue, if plain.is_some() { u16::MAX } else { code(share) }]
         };
         pixels.iter().enumerate().map(codes).collect::<Vec<_>>()
     };
@@ -220,22 +216,6 @@ fn neutral<W: Simd>(simd: W, [red, green, blue]: [f32x8<W>; 3]) -> [f32x8<W>; 3]
     [rolled(red), rolled(green), rolled(blue)]
 }
 
-/// The colour of which Khronos PBR Neutral makes this one.
-fn neutral_undone(shown: [f32; 3]) -> [f32; 3] {
-    let peak = shown[0].max(shown[1]).max(shown[2]).min(0.999);
-    let spread = if peak < START {
-        shown
-    } else {
-        let room = 1.0 - START;
-        let full = room * room / (1.0 - peak) - room + START;
-        let weight = 1.0 - 1.0 / (DESATURATION * (full - peak) + 1.0);
-        shown.map(|c| (c - peak * weight) / ((peak / full) * (1.0 - weight)))
-    };
-    let least = spread[0].min(spread[1]).min(spread[2]).max(0.0);
-    let before = if least < 0.04 { (least / 6.25).sqrt() } else { least + 0.04 };
-    spread.map(|c| c + before - least)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -260,7 +240,7 @@ mod tests {
     /// The code of a colour at a column and row.
     fn code(tone: &Tone, colour: [f32; 3], [x, y]: [usize; 2]) -> [u8; 3] {
         let colours = colour.map(|value| [value; LANES]);
-        dispatch!(Level::new(), simd => tone.codes(simd, &colours, y))[x % LANES]
+        dispatch!(Level::new(), simd => tone.codes(simd, &colours, (&[1.0; LANES], None), y))[x % LANES]
     }
 
     /// What a curve makes of a colour.
@@ -307,17 +287,19 @@ mod tests {
     }
 
     #[test]
-    fn what_is_undone_is_shown_again() {
-        let warm = [[0.9, 0.05, 0.0], [0.0, 1.0, 0.02], [0.0, 0.1, 1.3]];
-        for (map, balance) in [(ToneMap::Neutral, UNBALANCED), (ToneMap::Agx, UNBALANCED), (ToneMap::Neutral, warm)] {
-            let tone = Tone { balance: Some(balance), ..tone(map) };
-            // AgX shows no colour that is as pure as the last.
-            let count = if map == ToneMap::Agx { 3 } else { 4 };
-            for shown in [[0.4, 0.5, 0.6], [0.7; 3], [0.95, 0.9, 0.9], [0.03, 0.2, 0.7]].into_iter().take(count) {
-                let found = mapped(&tone, tone.undone(shown));
-                assert!((0..3).all(|k| (found[k] - shown[k]).abs() < 5e-3), "{map:?}: {found:?} is not {shown:?}");
-            }
+    fn what_is_laid_over_a_colour_keeps_its_share_of_what_is_shown() {
+        let tone = tone(ToneMap::Neutral);
+        let grey = mapped(&tone, [0.5; 3])[0];
+        for share in [0.0, 0.25, 1.0] {
+            let colours = [[0.5; LANES]; 3];
+            let laid = (&[share; LANES], Some([1.0, 1.0, 1.0]));
+            let [code, ..] = dispatch!(Level::new(), simd => tone.codes(simd, &colours, laid, 0));
+            let exact = crate::base::maths::linear_to_srgb(grey * share + 1.0 - share) * 255.0;
+            assert!((f32::from(code[0]) - exact).abs() < 1.25, "{share}: {code:?} is not {exact}");
         }
+        let white = (&[0.0; LANES], Some([1.0; 3]));
+        let codes = dispatch!(Level::new(), simd => tone.codes(simd, &[[0.0; LANES]; 3], white, 3));
+        assert_eq!(codes, [[255; 3]; LANES], "a plain colour has no dither");
     }
 
     #[test]

@@ -91,7 +91,7 @@ impl Run<'_> {
                 files.extend(self.beside(index, &frame, &drawing).map_err(|error| fault::export(&error))?);
                 if self.scene.output.bits == 16 {
                     let size = [frame.view.width, frame.view.height];
-                    deep = Some(Image::Sixteen { size, pixels: raster::developed(&frame.view, &drawing.radiance) });
+                    deep = Some(Image::Sixteen { size, pixels: raster::developed(&frame, &drawing.radiance) });
                 }
                 pictures.push((self.scene.seeds.get(number).copied(), drawing.picture));
             }
