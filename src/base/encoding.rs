@@ -13,6 +13,12 @@ pub fn linear_values() -> [f32; 256] {
     std::array::from_fn(|code| srgb_to_linear(code as f32 / 255.0))
 }
 
+/// Luminance of a linear sRGB colour (ITU-R BT.709).
+#[must_use]
+pub fn luminance([red, green, blue]: [f32; 3]) -> f32 {
+    0.2126 * red + 0.7152 * green + 0.0722 * blue
+}
+
 /// The codes of evenly spaced linear values. Within one code of the exact encoding.
 #[derive(Clone, Debug)]
 pub struct SrgbEncoder(Box<[u8; STEPS]>);

@@ -7,7 +7,7 @@
 use super::Colour;
 use super::palette::Palette;
 use super::surface::{Surface, Tissue};
-use crate::base::encoding::linear_values;
+use crate::base::encoding::{linear_values, luminance};
 use crate::base::maths::{expf, lnf, smooth_step};
 use crate::base::picture::Picture;
 
@@ -64,7 +64,6 @@ impl Scan {
             tissue.lead = -0.35 * ratio(0, 1.0);
             tissue.redness = expf(0.7 * ratio(1, 1.0));
             let look = palette.at(*found);
-            let luminance = |c: [f32; 3]| 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
             // Dead tissue is brown, or dark without being green.
             let dark =
                 1.0 - smooth_step(0.3, 0.6, luminance(*colour) / luminance(self.mean.map(|c| c as f32)).max(1e-3));

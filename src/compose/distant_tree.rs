@@ -1,12 +1,10 @@
 //! Trees of a distant wood, as few strokes and clumps: a trunk, boughs about it inside the envelope of a form, clumps of leaves
 //! about each bough. The same tree bears the leaves of summer and shows the twigs of winter.
 
+use super::sward::GOLDEN_ANGLE;
 use crate::base::maths::{exp, pow, sin};
 use crate::base::random::{Purpose, Stream};
 use std::f64::consts::{PI, TAU};
-
-/// Turn between successive boughs, radians.
-const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
 /// How a tree holds its crown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -80,7 +80,7 @@ pub(super) fn places(trees: &[[f64; 2]]) -> Vec<Affine> {
 }
 
 /// Turn between successive swards, radians.
-const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+pub(super) const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
 /// Side of a patch of meadow, metres, tufts on it and blades in a tuft: what shows above the sward as a whole.
 const PATCH: f64 = 2.5;

@@ -7,9 +7,10 @@
 
 use super::columns::Extent;
 use super::litter::Kept;
-use super::schedule::PARTS_BITS;
+use super::schedule::{PARTS_BITS, by_blocks};
 use std::cmp::Ordering;
 use std::collections::HashMap;
+use std::ops::RangeInclusive;
 
 /// What to do again.
 pub(super) struct Changes {
@@ -77,34 +78,24 @@ impl Marks {
     }
 
     fn mark(&mut self, extent: Extent) {
-        for (block, rows, columns) in masks(extent.coarser(self.bits)) {
+        for (block, rows, columns) in by_blocks(extent.coarser(self.bits)) {
             let marks = self.blocks.entry(block).or_default();
+            let columns = mask(columns);
             rows.for_each(|row| marks[row] |= columns);
         }
     }
 
     fn meets(&self, extent: Extent) -> bool {
-        let mut parts = masks(extent.coarser(self.bits));
+        let mut parts = by_blocks(extent.coarser(self.bits));
         !self.blocks.is_empty()
             && parts.any(|(block, mut rows, columns)| {
+                let columns = mask(columns);
                 self.blocks.get(&block).is_some_and(|marks| rows.any(|row| marks[row] & columns != 0))
             })
     }
 }
 
-/// The blocks that parts lie in, with the rows of each and the bits of their columns.
-fn masks(parts: Extent) -> impl Iterator<Item = ([u32; 2], std::ops::RangeInclusive<usize>, u16)> {
-    const LAST: u32 = (1 << PARTS_BITS) - 1;
-    let blocks = parts.coarser(PARTS_BITS);
-    let range = move |axis: usize, block: u32| {
-        let first = block << PARTS_BITS;
-        let [from, to] = [parts.low[axis].max(first), parts.high[axis].min(first | LAST)];
-        (from & LAST) as usize..=(to & LAST) as usize
-    };
-    (blocks.low[1]..=blocks.high[1]).flat_map(move |z| {
-        (blocks.low[0]..=blocks.high[0]).map(move |x| {
-            let columns = range(0, x).fold(0, |bits, column| bits | 1u16 << column);
-            ([x, z], range(1, z), columns)
-        })
-    })
+/// The bits of columns.
+fn mask(columns: RangeInclusive<usize>) -> u16 {
+    columns.fold(0, |bits, column| bits | 1u16 << column)
 }

@@ -8,7 +8,7 @@
 
 use super::columns::Extent;
 use std::collections::HashMap;
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 /// Parts of a block along its side, as a power of two, on which leaves are taken to meet.
 pub(super) const PARTS_BITS: u32 = 4;
@@ -87,6 +87,21 @@ fn shifted(phase: u32, blocks: Extent) -> u32 {
     (phase..phase + 4).find(fits).unwrap_or(phase)
 }
 
+/// The blocks that parts lie in, with the rows and the columns of the parts in each.
+pub(super) fn by_blocks(
+    parts: Extent,
+) -> impl Iterator<Item = ([u32; 2], RangeInclusive<usize>, RangeInclusive<usize>)> {
+    const LAST: u32 = (1 << PARTS_BITS) - 1;
+    let blocks = parts.coarser(PARTS_BITS);
+    let range = move |axis: usize, block: u32| {
+        let first = block << PARTS_BITS;
+        let [from, to] = [parts.low[axis].max(first), parts.high[axis].min(first | LAST)];
+        (from & LAST) as usize..=(to & LAST) as usize
+    };
+    (blocks.low[1]..=blocks.high[1])
+        .flat_map(move |z| (blocks.low[0]..=blocks.high[0]).map(move |x| ([x, z], range(1, z), range(0, x))))
+}
+
 /// The latest phase that meets each part of the blocks.
 #[derive(Default)]
 struct Blocks {
@@ -106,25 +121,15 @@ impl Blocks {
     }
 
     fn visit(&mut self, parts: Extent, mut visit: impl FnMut(&mut u32)) {
-        const MASK: u32 = (1 << PARTS_BITS) - 1;
-        let blocks = parts.coarser(PARTS_BITS);
-        for z in blocks.low[1]..=blocks.high[1] {
-            for x in blocks.low[0]..=blocks.high[0] {
-                let next = self.phases.len() as u32;
-                let number = *self.numbers.entry([x, z]).or_insert(next) as usize;
-                if number == self.phases.len() {
-                    self.phases.push([0; 1 << (2 * PARTS_BITS)]);
-                }
-                let range = |axis: usize, block: u32| {
-                    let first = block << PARTS_BITS;
-                    (parts.low[axis].max(first) & MASK)..=(parts.high[axis].min(first | MASK) & MASK)
-                };
-                for row in range(1, z) {
-                    let columns = range(0, x);
-                    let [from, to] =
-                        [*columns.start(), *columns.end()].map(|column| (row << PARTS_BITS | column) as usize);
-                    self.phases[number][from..=to].iter_mut().for_each(&mut visit);
-                }
+        for (block, rows, columns) in by_blocks(parts) {
+            let next = self.phases.len() as u32;
+            let number = *self.numbers.entry(block).or_insert(next) as usize;
+            if number == self.phases.len() {
+                self.phases.push([0; 1 << (2 * PARTS_BITS)]);
+            }
+            for row in rows {
+                let [from, to] = [*columns.start(), *columns.end()].map(|column| row << PARTS_BITS | column);
+                self.phases[number][from..=to].iter_mut().for_each(&mut visit);
             }
         }
     }

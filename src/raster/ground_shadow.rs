@@ -2,14 +2,13 @@
 
 use super::Prepared;
 use super::samples::{SUBPIXEL, pattern};
+use crate::base::encoding::luminance;
 use crate::base::random::hash;
 use crate::base::vector::Vec3;
 use rayon::prelude::*;
 
 /// Places in a pixel at which the shadow is found.
 const PLACES: usize = 4;
-/// The share of each channel of linear sRGB in its luminance (Rec. 709).
-const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 impl Prepared<'_> {
     /// The share of its light that the ground at height 0 loses to what stands on it, as a code of 8 bits for each pixel, row by
@@ -41,6 +40,6 @@ impl Prepared<'_> {
     fn light_from_above(&self, ambient: [f32; 3], lit: f32) -> f32 {
         let sun = &self.frame.sun;
         let beam = sun.direction.y.max(0.0) * lit * self.atmosphere.sun_share();
-        (0..3).map(|k| LUMINANCE[k] * (ambient[k] + sun.irradiance[k] * beam)).sum()
+        luminance(std::array::from_fn(|k| ambient[k] + sun.irradiance[k] * beam))
     }
 }

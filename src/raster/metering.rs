@@ -1,7 +1,7 @@
 //! Exposure measured from the picture itself, as a camera's averaging meter does.
 
 use super::Renderer;
-use crate::base::encoding::linear_values;
+use crate::base::encoding::{self, linear_values};
 use crate::base::maths::{expf, lnf};
 use crate::frame::{Frame, ToneMap, UNBALANCED};
 
@@ -37,10 +37,7 @@ pub(super) fn metered(frame: &Frame, renderer: &mut Renderer) -> Frame {
 fn mean(frame: &Frame, renderer: &mut Renderer) -> f32 {
     let picture = renderer.draw(frame).0;
     let linear = linear_values();
-    let luminance = |pixel: &[u8; 4]| {
-        let [r, g, b] = [0, 1, 2].map(|k| linear[usize::from(pixel[k])]);
-        0.2126 * r + 0.7152 * g + 0.0722 * b
-    };
+    let luminance = |pixel: &[u8; 4]| encoding::luminance([0, 1, 2].map(|k| linear[usize::from(pixel[k])]));
     // The darkest code but one bounds what black counts for.
     let sum: f32 = picture.pixels.iter().map(|pixel| lnf(luminance(pixel).max(3e-4))).sum();
     expf(sum / picture.pixels.len().max(1) as f32)

@@ -121,10 +121,9 @@ impl Renderer {
         let size = [view.width as usize, view.height as usize];
         let pixels = layers::assembled(size, bins.columns, &tiles, |tile| &tile.colours);
         let picture = Picture { width: view.width, height: view.height, pixels };
-        let sites =
-            layers::assembled(if wanted.sites { size } else { [0; 2] }, bins.columns, &tiles, |tile| &tile.sites);
-        let lit = if wanted.radiance { size } else { [0; 2] };
-        let radiance = layers::assembled(lit, bins.columns, &tiles, |tile| &tile.radiance);
+        let only = |is_wanted: bool| if is_wanted { size } else { [0; 2] };
+        let sites = layers::assembled(only(wanted.sites), bins.columns, &tiles, |tile| &tile.sites);
+        let radiance = layers::assembled(only(wanted.radiance), bins.columns, &tiles, |tile| &tile.radiance);
         let error: f64 = tiles.iter().map(|pixels| pixels.squared_error).sum();
         let drawn: u64 = bins.items.iter().map(|item| item.cluster_in(&prepared.meshes).triangles.len() as u64).sum();
         let figures = figures(&prepared, error).with("triangles_drawn", drawn).with("lod_error_px", lod_error);

@@ -5,7 +5,7 @@ use crate::base::maths::{acosf, asinf, log2f, mix, smooth_step};
 use crate::base::noise::Lattice;
 use crate::base::random::hash;
 use crate::base::vector::{Vec2, Vec3};
-use crate::frame::{Background, Clouds};
+use crate::frame::Clouds;
 use std::f32::consts::PI;
 
 /// Cosine of the angle of the sun's disc's radius, 0.267 degrees, and that radius.
@@ -50,23 +50,11 @@ impl GroundLight {
 impl Prepared<'_> {
     /// Radiance of the sky through a point of the picture.
     pub(super) fn sky(&self, at: [f32; 2]) -> [f32; 3] {
-        if let Some(plain) = self.plain() {
-            return plain;
-        }
         let direction = self.projection.ray(at[0], at[1]);
         let sky = self.open_sky(direction);
         match self.frame.ground.as_ref().and_then(|ground| ground.wood) {
             Some(wood) => self.before_wood(&wood, direction, sky),
             None => sky,
-        }
-    }
-
-    /// The radiance that shows a plain background, where the frame has one.
-    fn plain(&self) -> Option<[f32; 3]> {
-        match self.frame.background {
-            Background::Sky => None,
-            // It is no light: pictures are laid over it when they are encoded.
-            Background::Plain(_) | Background::Transparent => Some([0.0; 3]),
         }
     }
 
@@ -115,7 +103,7 @@ impl Prepared<'_> {
 
     /// Radiance of the ground at a point of the picture below the horizon, of what changes little from pixel to pixel.
     pub(super) fn ground(&self, at: [f32; 2], light: &GroundLight, patches: [f32; 4]) -> [f32; 3] {
-        let Some(ground) = self.frame.ground.as_ref().filter(|_| self.plain().is_none()) else { return self.sky(at) };
+        let Some(ground) = &self.frame.ground else { return self.sky(at) };
         let (position, distance, ray) = self.on_ground(at);
         let albedo = self.ground_albedo(position, distance, ray, patches);
         let shade = self.shade(position, Vec3::y(), hash(at[0] as u64, at[1] as u64));

@@ -179,9 +179,7 @@ impl<const S: usize> Workspace<S> {
 
     /// The finished tile of the sums of `count` samples.
     fn encoded(&self, prepared: &Prepared, corner: Corner, count: u32, sites: Vec<Site>) -> Pixels {
-        let lit: &[Sums] = if prepared.wanted.radiance { &self.sums } else { &[] };
-        let radiance = lit.iter().flat_map(|sums| (0..LANES).map(|lane| sums.light(lane, count))).collect();
-        let mut pixels = Pixels { colours: vec![[0; 4]; SIDE * SIDE], sites, radiance, squared_error: 0.0 };
+        let mut pixels = Pixels { colours: vec![[0; 4]; SIDE * SIDE], sites, radiance: Vec::new(), squared_error: 0.0 };
         let plain = plain(prepared.frame);
         dispatch!(Level::new(), simd => simd.vectorize(
             #[inline(always)]
@@ -195,6 +193,10 @@ impl<const S: usize> Workspace<S> {
                     for lane in 0..LANES {
                         let [r, g, b] = codes[lane];
                         colours[lane] = if alpha[lane] == 0 { [0; 4] } else { [r, g, b, alpha[lane]] };
+                    }
+                    if prepared.wanted.radiance {
+                        let light = |lane: usize| [mean[0][lane], mean[1][lane], mean[2][lane], share[lane]];
+                        pixels.radiance.extend((0..LANES).map(light));
                     }
                     pixels.squared_error += sums.squared_error(&mean);
                 }
@@ -262,13 +264,6 @@ impl Sums {
             }
         }
         mean
-    }
-
-    /// The mean of what a pixel shows and the share of `count` samples that show anything.
-    fn light(&self, lane: usize, count: u32) -> [f32; 4] {
-        let covered = self.covered[lane];
-        let [red, green, blue] = self.colour.map(|channel| channel[lane] / covered.max(1.0));
-        [red, green, blue, covered / count as f32]
     }
 
     /// The squared errors of the means if the samples are independent, summed over pixels and channels; a pixel of one sample

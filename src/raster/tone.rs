@@ -48,28 +48,41 @@ impl Tone {
         (share, plain): (&[f32; LANES], Option<[f32; 3]>),
         y: usize,
     ) -> [[u8; 3]; LANES] {
-        let [red, green, blue] = colours;
-        let load = |channel: &[f32; LANES]| f32x8::from_slice(simd, channel);
-        let mut mapped = self.mapped(simd, [load(red), load(green), load(blue)]);
-        let mut thresholds = load(&self.thresholds[y % LANES]);
-        if let Some(colour) = plain {
-            let share = load(share);
-            let rest = f32x8::splat(simd, 1.0) - share;
-            for k in 0..3 {
-                mapped[k] = mapped[k] * share + rest * colour[k];
-            }
-            thresholds *= share;
+        let shown = self.shown(simd, colours, (share, plain));
+        let mut thresholds = f32x8::from_slice(simd, &self.thresholds[y % LANES]);
+        if plain.is_some() {
+            thresholds *= f32x8::from_slice(simd, share);
         }
         let mut codes = [[0; 3]; LANES];
         for k in 0..3 {
             let dithered =
-                if self.map == ToneMap::None { mapped[k] } else { mapped[k] + thresholds * step(simd, mapped[k]) };
+                if self.map == ToneMap::None { shown[k] } else { shown[k] + thresholds * step(simd, shown[k]) };
             let places = self.encoder.places(simd, dithered);
             for lane in 0..LANES {
                 codes[lane][k] = self.encoder.code_at(places[lane]);
             }
         }
         codes
+    }
+
+    /// What is shown of exposed linear colours, laid over a plain colour by their share of each pixel.
+    #[inline(always)]
+    fn shown<W: Simd>(
+        &self,
+        simd: W,
+        [red, green, blue]: &Colours,
+        (share, plain): (&[f32; LANES], Option<[f32; 3]>),
+    ) -> [f32x8<W>; 3] {
+        let load = |channel: &[f32; LANES]| f32x8::from_slice(simd, channel);
+        let mut shown = self.mapped(simd, [load(red), load(green), load(blue)]);
+        if let Some(colour) = plain {
+            let share = load(share);
+            let rest = f32x8::splat(simd, 1.0) - share;
+            for k in 0..3 {
+                shown[k] = shown[k] * share + rest * colour[k];
+            }
+        }
+        shown
     }
 
     #[inline(always)]
@@ -117,25 +130,21 @@ pub fn developed(frame: &Frame, radiance: &[[f32; 4]]) -> Vec<[u16; 4]> {
     let tone = Tone::new(&frame.view);
     let plain = plain(frame);
     let eight = |pixels: &[[f32; 4]]| {
-        let mut colours: Colours = [[0.0; LANES]; 3];
+        let (mut colours, mut share): (Colours, _) = ([[0.0; LANES]; 3], [0.0; LANES]);
         for (lane, pixel) in pixels.iter().enumerate() {
             (0..3).for_each(|k| colours[k][lane] = pixel[k]);
+            share[lane] = pixel[3];
         }
-        let mapped = dispatch!(Level::new(), simd => {
-            let [red, green, blue] = tone.mapped(simd, colours.map(|channel| f32x8::from_slice(simd, &channel)));
+        let shown = dispatch!(Level::new(), simd => {
+            let [red, green, blue] = tone.shown(simd, &colours, (&share, plain));
             [<[f32; LANES]>::from(red), green.into(), blue.into()]
         });
         let code = |value: f32| (value.clamp(0.0, 1.0) * 65535.0 + 0.5) as u16;
-        let codes = |(lane, pixel): (usize, &[f32; 4])| {
-            let share = pixel[3];
-            let laid = |k: usize| match plain {
-                Some(colour) => mapped[k][lane] * share + colour[k] * (1.0 - share),
-                None => mapped[k][lane],
-            };
-            let [red, green, blue] = [0, 1, 2].map(|k| code(linear_to_srgb(laid(k))));
-            [red, green, blue, if plain.is_some() { u16::MAX } else { code(share) }]
+        let codes = |lane: usize| {
+            let [red, green, blue] = shown.map(|channel| code(linear_to_srgb(channel[lane])));
+            [red, green, blue, if plain.is_some() { u16::MAX } else { code(share[lane]) }]
         };
-        pixels.iter().enumerate().map(codes).collect::<Vec<_>>()
+        (0..pixels.len()).map(codes).collect::<Vec<_>>()
     };
     radiance.par_chunks(LANES).flat_map_iter(eight).collect()
 }

@@ -108,7 +108,7 @@ impl Run<'_> {
     }
 
     /// The files of a frame's light and of its shadow on the ground.
-    pub(super) fn beside(&self, index: i64, frame: &Frame, drawing: &Drawing) -> Result<FrameFiles, ExportError> {
+    fn beside(&self, index: i64, frame: &Frame, drawing: &Drawing) -> Result<FrameFiles, ExportError> {
         let (width, height) = (frame.view.width, frame.view.height);
         let mut files = Vec::new();
         if let Some(name) = self.names.exr(index) {
@@ -122,7 +122,7 @@ impl Run<'_> {
     }
 
     /// The picture of a frame: the only one, or all of them as a contact sheet.
-    pub(super) fn assembled(&self, mut pictures: Vec<(Option<u64>, Picture)>) -> Picture {
+    fn assembled(&self, mut pictures: Vec<(Option<u64>, Picture)>) -> Picture {
         match pictures.pop() {
             Some((_, picture)) if self.scene.cell_count() == 0 => picture,
             last => {
