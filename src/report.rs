@@ -73,6 +73,10 @@ pub struct ViewReport {
     pub field_of_view: f32,
     /// Unit vector to the sun.
     pub sun: [f32; 3],
+    /// The sun's irradiance on what faces it, linear sRGB.
+    pub sun_irradiance: [f32; 3],
+    /// The factor on radiance before the tone curve.
+    pub exposure: f32,
 }
 
 /// What was chosen for the error that a scene asks for. Errors are root mean squares in linear light.

@@ -71,6 +71,25 @@ fn the_chain_has_its_files_and_two_runs_differ_in_nothing_but_time() {
     }
 }
 
+/// A minute or two; by hand before a release.
+#[test]
+#[ignore = "draws and measures everything that a quick study has, twice"]
+fn all_families_differ_in_nothing_but_time_on_one_thread_and_on_two() {
+    let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
+    for (folder, threads) in folders.iter().zip(["1", "2"]) {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_leafseason"));
+        command.args(["study", "--quick", "--out"]).arg(folder.path()).env("RAYON_NUM_THREADS", threads);
+        let output = command.stdin(Stdio::null()).output().expect("a run");
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    let [one, two] = folders.each_ref().map(|folder| texts(folder.path()));
+    let tables: Vec<&String> = one.keys().filter(|name| name.ends_with(".csv")).collect();
+    assert!(tables.len() >= 8, "{tables:?}");
+    for name in tables {
+        assert_eq!(steady(&one[name]), steady(&two[name]), "{name}");
+    }
+}
+
 #[test]
 fn a_scene_s_own_chain_is_studied() {
     let folder = tempfile::tempdir().unwrap();

@@ -104,6 +104,8 @@ settings! {
         scorch: f64 = 1.6, unit "mm", range 0.0 => 50.0;
         /// Mean number of dead spots on the square of the texture when the chlorophyll is gone.
         spots: f64 = 20.0, range 0.0 => 5000.0;
+        /// Whether the lower side has a colour of its own, paler than the upper's. glTF files show one colour on both.
+        lower_side: bool = true;
         /// Reflectance of the colourless layer on the lower side.
         pallor: f64 = 0.045, range 0.0 => 0.6;
         /// Height of the relief of veins and areoles, relative.

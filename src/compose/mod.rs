@@ -298,10 +298,11 @@ impl Stock {
     ) -> u32 {
         let mut textures = [None; 4];
         if let Some(painted) = painted {
+            let (has_lower, none) = (species.colour.painting.lower_side, Vec::new());
             let maps = [
                 ("reflected", &painted.reflected),
                 ("transmitted", &painted.transmitted),
-                ("below", &painted.below),
+                ("below", if has_lower { &painted.below } else { &none }),
                 ("relief", &*painted.relief),
             ];
             for (slot, (side, pixels)) in textures.iter_mut().zip(maps).filter(|(_, (_, pixels))| !pixels.is_empty()) {
@@ -319,7 +320,7 @@ impl Stock {
             transmission: [1.0; 3],
             transmitted: textures[1],
             // Without a texture of its own the lower side is as much paler as measured ones are.
-            back_gain: if textures[2].is_some() { 1.0 } else { 1.35 },
+            back_gain: if textures[2].is_some() || !species.colour.painting.lower_side { 1.0 } else { 1.35 },
             behind: textures[2],
             relief: textures[3],
             gloss: if !species.colour.gloss {

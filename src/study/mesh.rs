@@ -11,6 +11,7 @@ use crate::base::blade::Blade;
 use crate::base::diagnostic::Diagnostics;
 use crate::base::limits::Limits;
 use crate::leaf::{self, Meshing, Pictures, Settings};
+use rayon::prelude::*;
 
 const COLUMNS: [&str; 21] = [
     "outline",
@@ -53,6 +54,11 @@ impl Trial<'_> {
         let (blade, figures) = leaf::model(&self.settings, Pictures::default(), &Limits::default()).ok()?;
         let excused = figures.values.get("excused_triangles").and_then(serde_json::Value::as_f64);
         Some((blade, excused.unwrap_or(0.0)))
+    }
+
+    /// Its grade, the outline's key points, the triangles that are excused.
+    fn graded(&self) -> Option<(Grade, usize, f64)> {
+        self.blade().map(|(blade, excused)| (grade(&blade), blade.keys.len(), excused))
     }
 
     fn digest(&self) -> u64 {
@@ -152,14 +158,14 @@ fn graded(desk: &mut Desk<'_>, trials: &[Trial<'_>], table: &mut Table) -> Resul
     let effort = Effort::of(desk.request.quick);
     let effort = Effort { budget: effort.budget.min(0.5), ..effort };
     let times = measured(&cases, effort);
+    let graded: Vec<_> = trials.par_iter().map(|trial| trial.graded()).collect();
     let mut grades = Vec::new();
-    for (trial, times) in trials.iter().zip(times) {
+    for ((trial, times), graded) in trials.iter().zip(times).zip(graded) {
         let name = format!("mesh {} {} {}", trial.outline, trial.param, trial.settings.vertices);
-        let (blade, excused) = trial.blade().ok_or_else(|| bug(&format!("{name} cannot be made")))?;
-        let grade = grade(&blade);
+        let (grade, keys, excused) = graded.ok_or_else(|| bug(&format!("{name} cannot be made")))?;
         desk.steady(&name, times.is_same);
         desk.tell(&format!("{name}: Hausdorff {}, smallest angle {:.1}", shown(grade.hausdorff), grade.min_angle));
-        table.push(row(trial, &grade, excused, blade.keys.len(), &times));
+        table.push(row(trial, &grade, excused, keys, &times));
         grades.push(grade);
     }
     Ok(grades)

@@ -59,10 +59,10 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// Three rounds for a quick study, fifteen for a full one, fewer for what is slow.
+    /// At most three rounds for a quick study, fifteen for a full one, fewer for what is slow.
     #[must_use]
     pub fn of(quick: bool) -> Self {
-        if quick { Self { rounds: 3, budget: 0.3 } } else { Self { rounds: 15, budget: 4.0 } }
+        if quick { Self { rounds: 3, budget: 0.2 } } else { Self { rounds: 15, budget: 4.0 } }
     }
 }
 

@@ -158,6 +158,8 @@ fn view_of(frame: &Frame) -> ViewReport {
         target: frame.camera.target.into(),
         field_of_view: frame.camera.field_of_view.to_degrees(),
         sun: frame.sun.direction.into(),
+        sun_irradiance: frame.sun.irradiance,
+        exposure: frame.view.exposure,
     }
 }
 

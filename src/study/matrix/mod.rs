@@ -9,12 +9,15 @@ mod scenes;
 mod sheets;
 
 use super::desk::Desk;
-use super::table::Table;
+use super::table::{Field, Table};
 use crate::base::diagnostic::Diagnostics;
 pub(super) use bench::Bench;
+use rayon::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 const COLUMNS: [&str; 5] = ["id", "case", "expectation", "observed", "pass"];
+/// Cases that are done before any of them is told.
+const AT_ONCE: usize = 8;
 
 /// What was seen of a case, and whether that is what must hold.
 pub(super) type Seen = (bool, String);
@@ -48,7 +51,11 @@ fn cases() -> impl Iterator<Item = &'static Case> {
     [masses::CASES, sheets::CASES, chain::CASES, leaf::CASES, pictures::CASES, scenes::CASES].into_iter().flatten()
 }
 
-/// Runs every case.
+fn seen(case: &Case, bench: &Bench) -> Seen {
+    catch_unwind(AssertUnwindSafe(|| (case.run)(bench))).unwrap_or_else(|_| (false, "a panic".to_owned()))
+}
+
+/// Runs every case, some at once: none of their rows tells of time.
 ///
 /// # Errors
 /// Files that cannot be written.
@@ -56,26 +63,24 @@ pub fn study(desk: &mut Desk<'_>) -> Result<(), Diagnostics> {
     let bench = Bench::new(&desk.request.out, desk.request.program.clone());
     let mut table = Table::new(&COLUMNS);
     let (mut failed, mut skipped, mut count) = (Vec::new(), 0, 0);
-    for case in cases() {
-        if case.is_slow && desk.request.quick {
-            skipped += 1;
-            table.push(vec![
-                case.id.into(),
-                case.what.into(),
-                case.expects.into(),
-                "left to the full study".into(),
-                "".into(),
-            ]);
-            continue;
+    for some in cases().collect::<Vec<_>>().chunks(AT_ONCE) {
+        let is_left = |case: &Case| case.is_slow && desk.request.quick;
+        let seen: Vec<Option<Seen>> =
+            some.par_iter().map(|case| (!is_left(case)).then(|| seen(case, &bench))).collect();
+        for (case, seen) in some.iter().zip(seen) {
+            let head = [case.id, case.what, case.expects].map(Field::from);
+            let Some((passes, observed)) = seen else {
+                skipped += 1;
+                table.push(head.into_iter().chain(["left to the full study".into(), "".into()]).collect());
+                continue;
+            };
+            count += 1;
+            desk.tell(&format!("matrix {} {}: {}", case.id, case.what, if passes { "pass" } else { &observed }));
+            if !passes {
+                failed.push(format!("{}: {observed}", case.id));
+            }
+            table.push(head.into_iter().chain([observed.into(), passes.into()]).collect());
         }
-        count += 1;
-        let seen = catch_unwind(AssertUnwindSafe(|| (case.run)(&bench)));
-        let (passes, observed) = seen.unwrap_or_else(|_| (false, "a panic".to_owned()));
-        desk.tell(&format!("matrix {} {}: {}", case.id, case.what, if passes { "pass" } else { &observed }));
-        if !passes {
-            failed.push(format!("{}: {observed}", case.id));
-        }
-        table.push(vec![case.id.into(), case.what.into(), case.expects.into(), observed.into(), passes.into()]);
     }
     bench.clean();
     desk.write_table("matrix.csv", &table)?;

@@ -96,8 +96,8 @@ fn textured(bench: &Bench, name: &str, side: u32, alpha: u8) -> super::bench::En
     encoder.set_depth(png::BitDepth::Eight);
     let data: Vec<u8> = (0..side * side).flat_map(|_| [200, 90, 30, alpha]).collect();
     let _ = encoder.write_header().and_then(|mut writer| writer.write_image_data(&data));
-    bench.put("texture.png", &bytes);
-    bench.render(name, &format!("{SMALL}[leaf]\nvertices = 40\ntexture = \"texture.png\"\n"), &[])
+    bench.put(&format!("{name}.png"), &bytes);
+    bench.render(name, &format!("{SMALL}[leaf]\nvertices = 40\ntexture = \"{name}.png\"\n"), &[])
 }
 
 fn lit(light: f32) -> Seen {

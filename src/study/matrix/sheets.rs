@@ -106,8 +106,8 @@ fn masked(bench: &Bench, name: &str, colour: png::ColorType, bits: u8, side: u32
     if let Err(error) = written {
         return (false, error.to_string());
     }
-    bench.put("mask.png", &bytes);
-    bench.render(name, &format!("{SMALL}[leaf]\nvertices = 40\nmask = \"mask.png\"\n"), &[]).is_drawn()
+    bench.put(&format!("{name}.png"), &bytes);
+    bench.render(name, &format!("{SMALL}[leaf]\nvertices = 40\nmask = \"{name}.png\"\n"), &[]).is_drawn()
 }
 
 fn thin() -> Seen {
