@@ -30,6 +30,7 @@ mod clip;
 mod data;
 mod dates;
 mod guides;
+mod label;
 mod layout;
 mod legend;
 mod lettering;
@@ -46,6 +47,7 @@ mod tests;
 mod ticks;
 mod words;
 
+pub use label::label;
 pub use palette::PALETTE;
 
 use crate::base::calendar::Date;

@@ -63,7 +63,8 @@ fn path(lines: &[Vec<Pixel>], is_closed: bool) -> Option<Path> {
     builder.finish()
 }
 
-fn stroke(lines: &[Vec<Pixel>], pen: &Pen, line_cap: LineCap, pixels: &mut Pixmap) {
+/// Strokes lines.
+pub(super) fn stroke(lines: &[Vec<Pixel>], pen: &Pen, line_cap: LineCap, pixels: &mut Pixmap) {
     let dash = pen.dashes.and_then(|[dash, gap]| StrokeDash::new(vec![dash as f32, gap as f32], 0.0));
     let stroke = Stroke { width: pen.width as f32, line_cap, line_join: LineJoin::Round, dash, ..Stroke::default() };
     if let Some(path) = path(lines, false) {

@@ -52,20 +52,31 @@ settings! {
         background_colour: [f64; 3] = [1.0, 1.0, 1.0], range 0.0 => 1.0;
         /// Width of lines over the edges of every triangle; 0 for none.
         wireframe: f64 = 0.0, unit "px", range 0.0 => 100.0;
+        /// Words in the picture's lower left corner, in a font of the program's own; a cell of a contact sheet may have its own.
+        label: String = String::new();
     }
 }
 
 /// The numbers of samples for which there is a pattern.
 pub const SAMPLES: [u32; 8] = [1, 4, 8, 16, 32, 64, 128, 256];
 
+/// Most letters of a label.
+const LONGEST_LABEL: usize = 200;
+
 /// What is wrong with well-typed settings.
 #[must_use]
 pub fn check(image: &Image) -> Vec<Complaint> {
-    if SAMPLES.contains(&image.samples) {
-        return Vec::new();
+    let mut complaints = Vec::new();
+    if !SAMPLES.contains(&image.samples) {
+        let what = format!("{} samples in a pixel have no pattern", image.samples);
+        complaints.push(Complaint::new("samples", what, "write 1, 4, 8, 16, 32, 64, 128 or 256"));
     }
-    let what = format!("{} samples in a pixel have no pattern", image.samples);
-    vec![Complaint::new("samples", what, "write 1, 4, 8, 16, 32, 64, 128 or 256")]
+    let letters = image.label.chars().count();
+    if letters > LONGEST_LABEL {
+        let what = format!("{letters} letters are too many to be read in a corner");
+        complaints.push(Complaint::new("label", what, format!("write at most {LONGEST_LABEL}")));
+    }
+    complaints
 }
 
 impl Image {

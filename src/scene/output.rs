@@ -1,5 +1,6 @@
 //! Which files are written for each frame.
 
+use super::image::Image;
 use crate::base::settings::Complaint;
 use crate::{choice, settings};
 
@@ -53,8 +54,8 @@ settings! {
     }
 }
 
-/// What is wrong with well-typed outputs.
-pub fn check(output: &Output) -> Vec<Complaint> {
+/// What is wrong with well-typed outputs of a picture.
+pub fn check(output: &Output, image: &Image) -> Vec<Complaint> {
     let mut complaints = Vec::new();
     if ![8, 16].contains(&output.bits) {
         complaints.push(Complaint::new("bits", format!("{} bits have no PNG", output.bits), "write 8 or 16"));
@@ -65,6 +66,10 @@ pub fn check(output: &Output) -> Vec<Complaint> {
             "an inset is let into pictures of 8 bits only",
             "write output.bits = 8",
         ));
+    }
+    if output.bits == 16 && !image.label.is_empty() {
+        let help = "write output.bits = 8, or take image.label away";
+        complaints.push(Complaint::new("bits", "a label is written into pictures of 8 bits only", help));
     }
     if output.exr && !cfg!(feature = "exr") {
         let help = "build it with `--features exr`, or take the key away";

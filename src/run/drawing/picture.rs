@@ -9,6 +9,7 @@ use crate::compose::{self, Stock, picture_inset};
 use crate::export::{self, ExportError};
 use crate::frame::Frame;
 use crate::plan;
+use crate::plot;
 use crate::raster::{self, Drawing, Renderer, Wanted};
 use crate::report::{Report, ViewReport};
 use crate::run::finishing::{FrameFiles, Image, Made};
@@ -80,7 +81,10 @@ impl Run<'_> {
                     glb.map(|(name, glb)| (name, glb, start.elapsed().as_secs_f64()))
                 },
             );
-            if let Some(drawing) = drawing.transpose()? {
+            if let Some(mut drawing) = drawing.transpose()? {
+                if !scene.image.label.is_empty() {
+                    plot::label(&mut drawing.picture, &scene.image.label);
+                }
                 if wanted.sites {
                     let seen = Seen { frame: &frame, sites: &drawing.sites, stand, states: states.as_ref() };
                     layers.extend(timed(&mut self.report, "png", || {
