@@ -229,7 +229,9 @@ fn blade(settings: &Settings, pictures: Pictures, trace: Option<&Trace>) -> Resu
     let outlines: Vec<Vec<DVec2>> = shape.loops.iter().map(|spline| dense(spline, settings.length * 1e-3)).collect();
     let vertices = settings.vertices as usize;
     let mesh = match settings.meshing {
-        Meshing::Even => remesh::evened(&shape.loops, vertices, settings.iterations)?,
+        Meshing::Even => {
+            remesh::sized(&shape.loops, vertices, settings.iterations, joint_sizing(settings.length * 1e-3))?
+        }
         Meshing::Delaunay => remesh::bare(&shape.loops, vertices)?,
     };
     let mut figures = figures(&mesh, &outlines, shape.keys.len(), trace);
@@ -343,6 +345,17 @@ fn laid_out(mesh: &Remesh, outlines: &[Vec<DVec2>], length: f64) -> FlatMesh {
     };
     flat.uvs = flat.positions.iter().map(|&p| flat.uv(p)).collect();
     flat
+}
+
+/// About the joint, where the petiole bears the whole blade, edges are this share of those elsewhere; up to this distance, and
+/// as long as elsewhere from that one on, in lengths of the blade. An edge that is not short against the clamp turns the
+/// whole blade by up to a degree.
+const JOINT_EDGES: f64 = 0.33;
+const JOINT_REACH: [f64; 2] = [0.03, 0.11];
+
+/// Edges finer about the joint of a blade of a length, metres.
+fn joint_sizing(length: f64) -> remesh::Sizing {
+    remesh::Sizing { finest: JOINT_EDGES, reach: JOINT_REACH[0] * length, end: JOINT_REACH[1] * length }
 }
 
 /// Distance from the joint, in lengths of the blade, within which the petiole holds vertices.
