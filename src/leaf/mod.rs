@@ -230,7 +230,7 @@ fn blade(settings: &Settings, pictures: Pictures, trace: Option<&Trace>) -> Resu
     let vertices = settings.vertices as usize;
     let mesh = match settings.meshing {
         Meshing::Even => {
-            remesh::sized(&shape.loops, vertices, settings.iterations, joint_sizing(settings.length * 1e-3))?
+            remesh::sized(&shape.loops, vertices, settings.iterations, joint_sizing(settings.length * 1e-3, vertices))?
         }
         Meshing::Delaunay => remesh::bare(&shape.loops, vertices)?,
     };
@@ -353,8 +353,14 @@ fn laid_out(mesh: &Remesh, outlines: &[Vec<DVec2>], length: f64) -> FlatMesh {
 const JOINT_EDGES: f64 = 0.33;
 const JOINT_REACH: [f64; 2] = [0.03, 0.11];
 
+/// Meshes of fewer vertices are even: their edges are as long as that reach, and would have to grow too fast.
+const JOINT_VERTICES: usize = 400;
+
 /// Edges finer about the joint of a blade of a length, metres.
-fn joint_sizing(length: f64) -> remesh::Sizing {
+fn joint_sizing(length: f64, vertices: usize) -> remesh::Sizing {
+    if vertices < JOINT_VERTICES {
+        return remesh::Sizing::EVEN;
+    }
     remesh::Sizing { finest: JOINT_EDGES, reach: JOINT_REACH[0] * length, end: JOINT_REACH[1] * length }
 }
 
