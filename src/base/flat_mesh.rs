@@ -16,6 +16,9 @@ pub struct FlatMesh {
     pub triangles: Vec<[u32; 3]>,
     /// Vertices of the rim in order, counter-clockwise.
     pub rim: Vec<u32>,
+    /// The lines that the loops of its rim stand for, metres: the outline without small teeth, then those of the holes, either
+    /// sense. What is derived from them does not depend on the mesh. None where the rim is all that is known.
+    pub lines: Vec<Vec<DVec2>>,
     /// The vertices that the petiole holds.
     pub held: Vec<u32>,
     /// Mask grey of each vertex, 0 (moves most) to 255 (stays), as the paper's mask map.
@@ -46,6 +49,14 @@ impl FlatMesh {
     #[must_use]
     pub fn area(&self) -> f64 {
         self.triangles.iter().map(|&t| self.doubled_area(t) * 0.5).sum()
+    }
+
+    /// The lower left and the upper right corner of the box about its lines, or about its vertices where it has none.
+    #[must_use]
+    pub fn bounds(&self) -> Option<[DVec2; 2]> {
+        let points = self.lines.first().unwrap_or(&self.positions);
+        let first = *points.first()?;
+        Some(points.iter().fold([first; 2], |[low, high], p| [low.inf(p), high.sup(p)]))
     }
 
     /// Every edge once, as (smaller, larger) vertex number, sorted.

@@ -229,11 +229,13 @@ fn blade(settings: &Settings, pictures: Pictures, trace: Option<&Trace>) -> Resu
     let outlines: Vec<Vec<DVec2>> = shape.loops.iter().map(|spline| dense(spline, settings.length * 1e-3)).collect();
     let vertices = settings.vertices as usize;
     let mesh = match settings.meshing {
-        Meshing::Even => remesh::evened(&shape.loops, vertices, settings.iterations)?,
+        Meshing::Even => {
+            remesh::sized(&shape.loops, vertices, settings.iterations, joint_sizing(settings.length * 1e-3, vertices))?
+        }
         Meshing::Delaunay => remesh::bare(&shape.loops, vertices)?,
     };
     let mut figures = figures(&mesh, &outlines, shape.keys.len(), trace);
-    let mut flat = laid_out(&mesh, settings.length * 1e-3);
+    let mut flat = laid_out(&mesh, &outlines, settings.length * 1e-3);
     let scanned = pictures.picture.zip(trace);
     let (veins, source) = match (shape.veins.is_empty(), trace.is_some()) {
         (true, true) => (veins::grown(&outlines[0], settings.venation), "outline, none seen in the scan"),
@@ -322,11 +324,12 @@ fn dense(spline: &Spline, length: f64) -> Vec<DVec2> {
     (0..spline.spans()).flat_map(span).map(|(i, t)| spline.at(i, t)).collect()
 }
 
-/// The mesh by the contract of [`FlatMesh`]; greys are left out.
-fn laid_out(mesh: &Remesh, length: f64) -> FlatMesh {
+/// The mesh by the contract of [`FlatMesh`], of outlines without small teeth; greys are left out. Texture coordinates are laid
+/// out by the outline, which hardly depends on the mesh: vertices that are set off from it reach a little beyond.
+fn laid_out(mesh: &Remesh, outlines: &[Vec<DVec2>], length: f64) -> FlatMesh {
     let rim = &mesh.points[mesh.loops[0].clone()];
-    let low = rim.iter().fold(rim[0], |low, p| low.inf(p));
-    let high = rim.iter().fold(rim[0], |high, p| high.sup(p));
+    let low = outlines[0].iter().chain(rim).fold(rim[0], |low, p| low.inf(p));
+    let high = outlines[0].iter().chain(rim).fold(rim[0], |high, p| high.sup(p));
     let (middle, size) = ((low + high) * 0.5, (high - low).max());
     let uv_scale = (1.0 - 2.0 * BLADE_UV_MARGIN) / size;
     let uv_origin = DVec2::new(0.5 - uv_scale * middle.x, 0.5 + uv_scale * middle.y);
@@ -334,6 +337,7 @@ fn laid_out(mesh: &Remesh, length: f64) -> FlatMesh {
         positions: mesh.points.clone(),
         triangles: mesh.topology.triangles.clone(),
         rim: (0..mesh.loops[0].end as u32).collect(),
+        lines: outlines.to_vec(),
         held: held(mesh, length),
         uv_scale,
         uv_origin,
@@ -341,6 +345,23 @@ fn laid_out(mesh: &Remesh, length: f64) -> FlatMesh {
     };
     flat.uvs = flat.positions.iter().map(|&p| flat.uv(p)).collect();
     flat
+}
+
+/// About the joint, where the petiole bears the whole blade, edges are this share of those elsewhere; up to this distance, and
+/// as long as elsewhere from that one on, in lengths of the blade. An edge that is not short against the clamp turns the
+/// whole blade by up to a degree.
+const JOINT_EDGES: f64 = 0.33;
+const JOINT_REACH: [f64; 2] = [0.03, 0.11];
+
+/// Meshes of fewer vertices are even: their edges are as long as that reach, and would have to grow too fast.
+const JOINT_VERTICES: usize = 400;
+
+/// Edges finer about the joint of a blade of a length, metres.
+fn joint_sizing(length: f64, vertices: usize) -> remesh::Sizing {
+    if vertices < JOINT_VERTICES {
+        return remesh::Sizing::EVEN;
+    }
+    remesh::Sizing { finest: JOINT_EDGES, reach: JOINT_REACH[0] * length, end: JOINT_REACH[1] * length }
 }
 
 /// Distance from the joint, in lengths of the blade, within which the petiole holds vertices.

@@ -29,8 +29,7 @@ impl Chart {
     /// That of a leaf whose coordinates are divided by `extent`, and the mask's grey in each of its cells.
     pub fn new(flat: &Flat, extent: f64) -> (Self, Vec<f64>) {
         let places: Vec<DVec2> = flat.mesh.positions.iter().map(|p| p / extent).collect();
-        let first = places.first().copied().unwrap_or_default();
-        let (low, high) = places.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
+        let [low, high] = flat.mesh.bounds().unwrap_or_default().map(|corner| corner / extent);
         // An odd number about the middle, so that a mirrored blade has the mirrored grid.
         let cells = |k: usize| 2 * ((high[k] - low[k]) * CELLS * 0.5).ceil().clamp(1.0, CELLS) as usize + 1;
         let (width, height) = (cells(0), cells(1));
@@ -48,6 +47,8 @@ impl Chart {
             greys[cell] = grey;
         }
         if let Some(mask) = flat.mask {
+            // A picture has greys beyond the mesh, so the blade need not end with its triangles.
+            chart.enclose(&flat.mesh.lines, extent);
             let reading = |uv: Vec2| {
                 let along = |at: f32, count: u32| (f64::from(at) * f64::from(count)).clamp(0.0, f64::from(count) - 1.0);
                 let pixel = mask.at(along(uv.x, mask.width) as u32, along(uv.y, mask.height) as u32);
@@ -63,6 +64,38 @@ impl Chart {
             }
         }
         (chart, greys)
+    }
+
+    /// Takes the cells that lines pass or enclose for the blade, if there are lines.
+    fn enclose(&mut self, lines: &[Vec<DVec2>], extent: f64) {
+        if lines.is_empty() {
+            return;
+        }
+        self.inside.fill(0.0);
+        let mut crossings = vec![Vec::new(); self.height];
+        for line in lines {
+            let at = |p: &DVec2| (p / extent - self.origin) * CELLS;
+            for (a, b) in line.iter().zip(line.iter().cycle().skip(1)).map(|(a, b)| (at(a), at(b))) {
+                let (low, high) = if a.y < b.y { (a, b) } else { (b, a) };
+                // Rows whose middles the side passes: from its lower end on, up to its upper one.
+                let row = |y: f64| y.ceil().clamp(0.0, self.height as f64) as usize;
+                for y in row(low.y)..row(high.y) {
+                    crossings[y].push(low.x + (high.x - low.x) * ((y as f64 - low.y) / (high.y - low.y)));
+                }
+            }
+        }
+        for (y, crossings) in crossings.iter_mut().enumerate() {
+            crossings.sort_by(f64::total_cmp);
+            for pair in crossings.chunks_exact(2) {
+                let column = |x: f64| x.ceil().clamp(0.0, self.width as f64) as usize;
+                self.inside[y * self.width..][column(pair[0])..column(pair[1])].fill(1.0);
+            }
+        }
+        // A blade may be thinner than a cell.
+        for p in lines.iter().flatten() {
+            let cell = self.cell(p / extent);
+            self.inside[cell] = 1.0;
+        }
     }
 
     /// The cells whose middles triangles cover, each with the grey there.

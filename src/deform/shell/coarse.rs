@@ -146,6 +146,7 @@ impl<'a> Collapse<'a> {
                 .collect(),
             rim: fine.rim.iter().filter_map(number).collect(),
             held: fine.held.iter().filter_map(number).collect(),
+            lines: fine.lines.clone(),
             ..*fine
         }
     }

@@ -90,8 +90,7 @@ impl Tissue {
 
 /// Longer side of the bounding box (1 where there is none), and its middle.
 fn bounds(mesh: &FlatMesh) -> (f64, DVec2) {
-    let Some(&first) = mesh.positions.first() else { return (1.0, DVec2::zeros()) };
-    let (low, high) = mesh.positions.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
+    let Some([low, high]) = mesh.bounds() else { return (1.0, DVec2::zeros()) };
     let side = (high - low).max();
     (if side > 0.0 { side } else { 1.0 }, (low + high) * 0.5)
 }
@@ -162,8 +161,21 @@ impl<'a> Directions<'a> {
     }
 }
 
-/// Depth of each vertex below the margin (of holes too), over the greatest depth of the blade.
+/// Depth of each vertex below the margin (of holes too), over the greatest depth of the blade. A chord cuts bays off, so where
+/// the lines are known they are the margin, not the rim.
 fn depth(mesh: &FlatMesh, chart: &Chart, extent: f64) -> Vec<f64> {
+    let margin: Vec<[DVec2; 2]> =
+        if mesh.lines.is_empty() { rim(mesh) } else { mesh.lines.iter().flat_map(|line| closed(line)).collect() };
+    let scaled = |side: &[DVec2; 2]| side.map(|p| p / extent);
+    let margin: Vec<[DVec2; 2]> = margin.iter().map(scaled).collect();
+    let nearest = |p: DVec2| margin.iter().map(|side| squared_distance(p, side)).fold(f64::INFINITY, f64::min).sqrt();
+    let deepest = chart.cells().step_by(STRIDE).map(|cell| nearest(chart.middle(cell))).fold(0.0, f64::max);
+    let share = |p: &DVec2| if deepest > 0.0 { (nearest(p / extent) / deepest).min(1.0) } else { 0.0 };
+    mesh.positions.iter().map(share).collect()
+}
+
+/// The sides that have one triangle.
+fn rim(mesh: &FlatMesh) -> Vec<[DVec2; 2]> {
     let mut sides: Vec<[u32; 2]> = mesh
         .triangles
         .iter()
@@ -172,11 +184,12 @@ fn depth(mesh: &FlatMesh, chart: &Chart, extent: f64) -> Vec<f64> {
         .collect();
     sides.sort_unstable();
     let once = sides.chunk_by(|x, y| x == y).filter(|same| same.len() == 1);
-    let rim: Vec<[DVec2; 2]> = once.map(|same| same[0].map(|v| mesh.positions[v as usize] / extent)).collect();
-    let nearest = |p: DVec2| rim.iter().map(|side| squared_distance(p, side)).fold(f64::INFINITY, f64::min).sqrt();
-    let deepest = chart.cells().step_by(STRIDE).map(|cell| nearest(chart.middle(cell))).fold(0.0, f64::max);
-    let share = |p: &DVec2| if deepest > 0.0 { (nearest(p / extent) / deepest).min(1.0) } else { 0.0 };
-    mesh.positions.iter().map(share).collect()
+    once.map(|same| same[0].map(|v| mesh.positions[v as usize])).collect()
+}
+
+/// The sides of a closed line.
+fn closed(line: &[DVec2]) -> impl Iterator<Item = [DVec2; 2]> + '_ {
+    line.iter().zip(line.iter().cycle().skip(1)).map(|(&a, &b)| [a, b])
 }
 
 fn squared_distance(p: DVec2, [a, b]: &[DVec2; 2]) -> f64 {

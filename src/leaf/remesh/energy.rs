@@ -6,6 +6,7 @@
 //! one corner while D > 0 (a quadratic over a linear function), so Newton's step for a corner is always downhill.
 
 use crate::base::vector::DVec2;
+use crate::leaf::remesh::sizing::Sizing;
 
 /// The shape cost is S / D over this.
 const EVEN: f64 = 3.464_101_615_137_754_6;
@@ -24,9 +25,9 @@ const STIFFER: f64 = 4.0;
 /// The cost of triangles with a wanted area.
 #[derive(Clone, Copy, Debug)]
 pub struct Energy {
-    /// Twice the wanted area, and one over it.
+    /// Twice the wanted area where the sizing is 1.
     doubled_area: f64,
-    inverse_area: f64,
+    sizing: Sizing,
     /// How much thin triangles cost extra.
     thin: f64,
 }
@@ -52,9 +53,15 @@ pub fn shape_cost(p: DVec2, a: DVec2, b: DVec2) -> f64 {
 
 impl Energy {
     /// The cost whose even triangle has sides of this length.
-    pub fn of_spacing(spacing: f64) -> Self {
+    pub fn of_spacing(spacing: f64, sizing: Sizing) -> Self {
         let doubled_area = spacing * spacing * 0.75f64.sqrt();
-        Self { doubled_area, inverse_area: 1.0 / doubled_area, thin: THIN }
+        Self { doubled_area, sizing, thin: THIN }
+    }
+
+    /// Twice the wanted area of a triangle.
+    fn wanted(&self, p: DVec2, a: DVec2, b: DVec2) -> f64 {
+        let share = self.sizing.at((p + a + b) / 3.0);
+        self.doubled_area * share * share
     }
 
     /// Makes thin triangles cost more.
@@ -71,13 +78,14 @@ impl Energy {
     pub fn of(&self, p: DVec2, a: DVec2, b: DVec2) -> f64 {
         let (pa, pb, ab) = (a - p, b - p, b - a);
         let doubled = pa.perp(&pb);
-        let ratio = doubled * self.inverse_area;
+        let wanted = self.wanted(p, a, b);
+        let ratio = doubled / wanted;
         if ratio <= FLAT {
             return f64::INFINITY;
         }
         let over = 1.0 / doubled;
         let shape = (pa.norm_squared() + pb.norm_squared() + ab.norm_squared()) * (over / EVEN);
-        let plain = shape - 1.0 + SIZE * (ratio + self.doubled_area * over - 2.0);
+        let plain = shape - 1.0 + SIZE * (ratio + wanted * over - 2.0);
         let thin = (shape - POINTED).max(0.0);
         plain + WORST * plain * plain + self.thin * thin * thin
     }
@@ -89,8 +97,9 @@ impl Energy {
         let over = 1.0 / doubled;
         let by_side = over / EVEN;
         let shape = (pa.norm_squared() + pb.norm_squared() + ab.norm_squared()) * by_side;
-        let inverse = self.doubled_area * over;
-        let plain = shape - 1.0 + SIZE * (doubled * self.inverse_area + inverse - 2.0);
+        let wanted = self.wanted(p, a, b);
+        let inverse = wanted * over;
+        let plain = shape - 1.0 + SIZE * (doubled / wanted + inverse - 2.0);
         // How the doubled area and the sum of the squared sides change; the fall of what is divided by the area.
         let area = DVec2::new(-ab.y, ab.x);
         let sides = (pa + pb) * (-2.0 * by_side);
@@ -101,7 +110,7 @@ impl Energy {
             [0, 1, 2].map(|k| twice * own[k] - over * crossed[k] + if k == 1 { 0.0 } else { 4.0 * by_side })
         };
         let fall = (shape + SIZE * inverse) * over;
-        let gradient = sides + area * (SIZE * self.inverse_area - fall);
+        let gradient = sides + area * (SIZE / wanted - fall);
         let bent = bend(fall);
         slope.add_square(plain, WORST, gradient, bent);
         slope.value += plain;
@@ -146,7 +155,7 @@ mod tests {
 
     #[test]
     fn the_even_triangle_costs_nothing_and_the_inverted_everything() {
-        let energy = Energy::of_spacing(1.0);
+        let energy = Energy::of_spacing(1.0, Sizing::EVEN);
         let (a, b, c) = (DVec2::zeros(), DVec2::x(), DVec2::new(0.5, 0.75f64.sqrt()));
         assert!(energy.of(c, a, b).abs() < 1e-14);
         assert_eq!(energy.of(c, b, a), f64::INFINITY);
@@ -155,7 +164,7 @@ mod tests {
 
     #[test]
     fn derivatives_agree_with_differences() {
-        let energy = Energy::of_spacing(0.9);
+        let energy = Energy::of_spacing(0.9, Sizing::EVEN);
         let slope_at = |p: DVec2| {
             let mut slope = Slope::default();
             energy.add_slope(p, A, B, &mut slope);

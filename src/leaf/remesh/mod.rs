@@ -9,6 +9,9 @@
 //! | relocate | each vertex takes a Newton step, or slides on the curve, to where its triangles cost less | `relocate`, `energy` |
 //! | reconnect | edges flip where that costs less; at irregular vertices edges are tried flipped, split, collapsed | `flip`, `reconnect`, `trial` |
 //!
+//! Edges are even, or shorter by a given share about the origin ([`Sizing`]): all rows of the table then go by the wanted length
+//! of the place, and so do the figures of evenness.
+//!
 //! One cost rules both steps ([`energy`]: inverse mean ratio and area, in the spirit of Freitag and Knupp 2002), so that
 //! neither undoes the other's work and the rounds settle. A vertex that rests is left out until one beside it moves.
 //!
@@ -38,6 +41,7 @@ mod relocate;
 mod rim;
 mod ring;
 mod seeds;
+mod sizing;
 mod straying;
 mod trial;
 mod triangulation;
@@ -52,6 +56,7 @@ use quality::graded;
 use reconnect::Count;
 use relocate::Mesher;
 use rim::Rim;
+pub use sizing::Sizing;
 use std::ops::Range;
 use straying::PLANNED;
 pub use triangulation::{Topology, triangulated};
@@ -96,12 +101,20 @@ pub struct Remesh {
 /// # Errors
 /// [`LeafError::Mesh`] when the curves touch or cross, or are too narrow to be triangulated.
 pub fn evened(loops: &[Spline], wanted: usize, iterations: u32) -> Result<Remesh, LeafError> {
+    sized(loops, wanted, iterations, Sizing::EVEN)
+}
+
+/// As [`evened`], with edges of the lengths of a sizing.
+///
+/// # Errors
+/// As [`evened`].
+pub fn sized(loops: &[Spline], wanted: usize, iterations: u32, sizing: Sizing) -> Result<Remesh, LeafError> {
     let curves = curves(loops, wanted)?;
-    let (rim, spacing) = fitted(&curves, wanted)?;
+    let (rim, spacing) = fitted(&curves, wanted, sizing)?;
     let rings = rim.points();
     let inner = wanted.saturating_sub(rings.iter().map(Vec::len).sum());
-    let seeds = seeds::lattice(&rings, spacing, inner, seeds::heading(&rings));
-    Rounds::new(Remesh::of(&rings, seeds)?, rim, spacing, wanted)?.run(iterations)
+    let seeds = seeds::lattice(&rings, (spacing, sizing), inner, seeds::heading(&rings));
+    Rounds::new(Remesh::of(&rings, seeds, sizing)?, rim, (spacing, sizing), wanted)?.run(iterations)
 }
 
 /// The constrained Delaunay triangulation of the rim of such a mesh alone: the long and narrow triangles of the paper's
@@ -112,8 +125,8 @@ pub fn evened(loops: &[Spline], wanted: usize, iterations: u32) -> Result<Remesh
 #[allow(dead_code)] // Asked for by studies of the rounds, not by the leaf stage.
 pub fn bare(loops: &[Spline], wanted: usize) -> Result<Remesh, LeafError> {
     let curves = curves(loops, wanted)?;
-    let (rim, _) = fitted(&curves, wanted)?;
-    Remesh::of(&rim.points(), Vec::new())
+    let (rim, _) = fitted(&curves, wanted, Sizing::EVEN)?;
+    Remesh::of(&rim.points(), Vec::new(), Sizing::EVEN)
 }
 
 /// The numbers of the points of each loop if all stand in one row.
@@ -140,8 +153,8 @@ fn curves(loops: &[Spline], wanted: usize) -> Result<Vec<Curve<'_>>, LeafError> 
 
 /// A rim, and the spacing at which even triangles between it and `wanted` vertices in all fill the area: a triangulation of
 /// n vertices, b of them on 1 + holes loops, has 2 (n - 1 + holes) - b triangles.
-fn fitted<'a>(curves: &'a [Curve<'a>], wanted: usize) -> Result<(Rim<'a>, f64), LeafError> {
-    let area: f64 = curves.iter().map(Curve::area).sum();
+fn fitted<'a>(curves: &'a [Curve<'a>], wanted: usize, sizing: Sizing) -> Result<(Rim<'a>, f64), LeafError> {
+    let mut area: f64 = curves.iter().map(Curve::area).sum();
     let mut spacing = (area / 0.75f64.sqrt() / wanted as f64).sqrt();
     let needed = curves.iter().map(Curve::length).sum::<f64>() / spacing;
     if needed > (MOST_RIM * wanted + SPARE_RIM) as f64 {
@@ -149,10 +162,11 @@ fn fitted<'a>(curves: &'a [Curve<'a>], wanted: usize) -> Result<(Rim<'a>, f64), 
             format!("the outline is too long and narrow for {wanted} vertices: its rim alone needs about {needed:.0}");
         return Err(LeafError::Mesh { what });
     }
-    let mut rim = Rim::fitted(curves, spacing, PLANNED.among(wanted))?;
+    let mut rim = Rim::fitted(curves, (spacing, sizing), PLANNED.among(wanted))?;
+    area += sizing.surplus(&rim.points());
     let triangles = (2 * (wanted + curves.len())).saturating_sub(4 + rim.loops().concat().len()).max(wanted / 2);
     spacing = (2.0 * area / 0.75f64.sqrt() / triangles as f64).sqrt();
-    rim = Rim::fitted(curves, spacing, PLANNED.among(wanted))?;
+    rim = Rim::fitted(curves, (spacing, sizing), PLANNED.among(wanted))?;
     Ok((rim, spacing))
 }
 
@@ -160,16 +174,17 @@ fn fitted<'a>(curves: &'a [Curve<'a>], wanted: usize) -> Result<(Rim<'a>, f64), 
 struct Rounds<'a> {
     mesher: Mesher<'a>,
     best: Remesh,
+    sizing: Sizing,
 }
 
 impl<'a> Rounds<'a> {
-    fn new(start: Remesh, rim: Rim<'a>, spacing: f64, wanted: usize) -> Result<Self, LeafError> {
+    fn new(start: Remesh, rim: Rim<'a>, (spacing, sizing): (f64, Sizing), wanted: usize) -> Result<Self, LeafError> {
         let narrow = || LeafError::Mesh { what: "the outline is too narrow to be triangulated".to_owned() };
         let edges = start.loops.iter().map(ExactSizeIterator::len).sum();
         let web = Web::new(start.points.clone(), start.topology.triangles.clone(), edges).ok_or_else(narrow)?;
         let slack = (SLACK * wanted as f64) as usize;
         let count = Count { now: start.points.len(), least: wanted.saturating_sub(slack), most: wanted + slack };
-        Ok(Self { mesher: Mesher::new(web, rim, spacing, count), best: start })
+        Ok(Self { mesher: Mesher::new(web, rim, (spacing, sizing), count), best: start, sizing })
     }
 
     fn run(mut self, iterations: u32) -> Result<Remesh, LeafError> {
@@ -220,7 +235,7 @@ impl<'a> Rounds<'a> {
         let points: Vec<DVec2> = order.iter().map(|&v| web.point(v)).collect();
         let triangles: Vec<[u32; 3]> = web.triangles().map(|(_, t)| t.map(|v| numbers[v as usize])).collect();
         let loops = ranges(&rings);
-        let quality = graded(&points, &loops, &triangles);
+        let quality = graded(&points, &loops, &triangles, self.sizing);
         let better = quality.is_no_worse_than(&self.best.quality);
         if better {
             (self.best.points, self.best.loops, self.best.quality) = (points, loops, quality);
@@ -233,12 +248,12 @@ impl<'a> Rounds<'a> {
 
 impl Remesh {
     /// The triangulation of loops and the points within.
-    fn of(rings: &[Vec<DVec2>], inner: Vec<DVec2>) -> Result<Self, LeafError> {
+    fn of(rings: &[Vec<DVec2>], inner: Vec<DVec2>, sizing: Sizing) -> Result<Self, LeafError> {
         let loops = ranges(rings);
         let mut points = rings.concat();
         points.extend(inner);
         let topology = triangulated(&points, &loops)?;
-        let quality = graded(&points, &loops, &topology.triangles);
+        let quality = graded(&points, &loops, &topology.triangles, sizing);
         Ok(Self { points, loops, topology, quality, rounds: 0, history: vec![quality] })
     }
 }

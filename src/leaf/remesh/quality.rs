@@ -2,6 +2,7 @@
 
 use crate::base::maths::acos;
 use crate::base::vector::DVec2;
+use crate::leaf::remesh::sizing::Sizing;
 use crate::leaf::remesh::triangulation::corner_angle;
 use std::ops::Range;
 
@@ -70,7 +71,8 @@ fn percentile(values: &mut [f64], share: usize) -> f64 {
 }
 
 /// Grades a mesh whose first vertices are its loops.
-pub fn graded(points: &[DVec2], loops: &[Range<usize>], triangles: &[[u32; 3]]) -> Quality {
+pub fn graded(points: &[DVec2], loops: &[Range<usize>], triangles: &[[u32; 3]], sizing: Sizing) -> Quality {
+    let length = |a: DVec2, b: DVec2| (b - a).norm() / sizing.at((a + b) * 0.5);
     let sharp = sharp_rim(points, loops);
     let is_excused = |t: &[u32; 3]| t.iter().any(|&v| sharp.get(v as usize).copied().unwrap_or(false));
     let (mut ratios, mut cosines) = (Vec::with_capacity(triangles.len()), Vec::with_capacity(triangles.len()));
@@ -85,10 +87,10 @@ pub fn graded(points: &[DVec2], loops: &[Range<usize>], triangles: &[[u32; 3]]) 
         } else {
             worst = worst.max(cosine);
         }
-        (0..3).for_each(|i| sides.add((corners[(i + 1) % 3] - corners[i]).norm()));
+        (0..3).for_each(|i| sides.add(length(corners[i], corners[(i + 1) % 3])));
     }
     for range in loops {
-        crate::leaf::polygon::sides(&points[range.clone()]).for_each(|(a, b)| sides.add((b - a).norm()));
+        crate::leaf::polygon::sides(&points[range.clone()]).for_each(|(a, b)| sides.add(length(a, b)));
     }
     let q_mean = ratios.iter().sum::<f64>() / ratios.len().max(1) as f64;
     Quality {
@@ -150,7 +152,7 @@ mod tests {
     #[test]
     fn a_halved_square_has_known_figures() {
         let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(x, y)| DVec2::new(x, y));
-        let quality = graded(&square, std::slice::from_ref(&(0..4)), &[[0, 1, 2], [0, 2, 3]]);
+        let quality = graded(&square, std::slice::from_ref(&(0..4)), &[[0, 1, 2], [0, 2, 3]], Sizing::EVEN);
         assert!((quality.min_angle - std::f64::consts::FRAC_PI_4).abs() < 1e-12);
         assert!((quality.edge_ratio - 2f64.sqrt()).abs() < 1e-12);
         // Four edges of 1 and one of sqrt 2: their variance is 4/25 (sqrt 2 - 1)^2.

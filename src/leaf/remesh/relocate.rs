@@ -8,6 +8,7 @@ use crate::base::vector::DVec2;
 use crate::leaf::remesh::energy::{Energy, Slope};
 use crate::leaf::remesh::reconnect::Count;
 use crate::leaf::remesh::rim::Rim;
+use crate::leaf::remesh::sizing::Sizing;
 use crate::leaf::remesh::straying::{SLID, Straying};
 use crate::leaf::remesh::trial::Marks;
 use crate::leaf::remesh::web::Web;
@@ -54,9 +55,9 @@ pub struct Mesher<'a> {
 
 impl<'a> Mesher<'a> {
     /// A mesh at its start.
-    pub fn new(web: Web, rim: Rim<'a>, spacing: f64, count: Count) -> Self {
+    pub fn new(web: Web, rim: Rim<'a>, (spacing, sizing): (f64, Sizing), count: Count) -> Self {
         Self {
-            energy: Energy::of_spacing(spacing),
+            energy: Energy::of_spacing(spacing, sizing),
             straying: SLID.among(count.now),
             awake: vec![true; web.places()],
             tried: vec![false; web.places()],

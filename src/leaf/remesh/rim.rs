@@ -5,10 +5,13 @@ use crate::leaf::LeafError;
 use crate::leaf::polygon;
 use crate::leaf::remesh::curve::Curve;
 use crate::leaf::remesh::ring;
+use crate::leaf::remesh::sizing::{LONG, Sizing};
 use crate::leaf::remesh::straying::Straying;
 
 /// How often chords that cross are halved.
 const HALVINGS: u32 = 14;
+/// How often chords that are too long for their place are halved.
+const FINER: u32 = 3;
 
 /// No vertex, no curve.
 const NONE: u32 = u32::MAX;
@@ -59,8 +62,16 @@ impl<'a> Rim<'a> {
     ///
     /// # Errors
     /// [`LeafError::Mesh`] when the curves themselves touch or cross.
-    pub fn fitted(curves: &'a [Curve<'a>], spacing: f64, straying: Straying) -> Result<Self, LeafError> {
+    pub fn fitted(
+        curves: &'a [Curve<'a>],
+        (spacing, sizing): (f64, Sizing),
+        straying: Straying,
+    ) -> Result<Self, LeafError> {
         let mut rings: Vec<Vec<f64>> = curves.iter().map(|curve| ring::fitted(curve, spacing, straying)).collect();
+        for _ in 0..FINER {
+            let long = long_chords(&rings, curves, (spacing, sizing));
+            halve(&mut rings, curves, &long);
+        }
         for _ in 0..HALVINGS {
             let polygons: Vec<Vec<DVec2>> =
                 rings.iter().zip(curves).map(|(ring, curve)| ring.iter().map(|&arc| curve.at(arc)).collect()).collect();
@@ -250,6 +261,20 @@ impl<'a> Rim<'a> {
         self.change(after, |spot| spot.beside[0] = before);
         self.change(v, |spot| *spot = INNER);
     }
+}
+
+/// The chords (loop, place) that are too long where edges are wanted short.
+fn long_chords(rings: &[Vec<f64>], curves: &[Curve], (spacing, sizing): (f64, Sizing)) -> Vec<(usize, usize)> {
+    if sizing.is_even() {
+        return Vec::new();
+    }
+    let is_long = |number: usize, i: usize| {
+        let [a, b] = [i, i + 1].map(|i| curves[number].at(rings[number][i % rings[number].len()]));
+        let wanted = sizing.at((a + b) * 0.5);
+        wanted < 1.0 && (b - a).norm() > LONG * wanted * spacing
+    };
+    let of = |number: usize| (0..rings[number].len()).filter(move |&i| is_long(number, i)).map(move |i| (number, i));
+    (0..rings.len()).flat_map(of).collect()
 }
 
 /// Puts a vertex on the middle of the curve over each of these chords (loop, place).

@@ -1,8 +1,9 @@
 //! The first inner vertices: points of a hexagonal lattice, clear of the rim.
 
-use crate::base::maths::{atan2, sincos};
+use crate::base::maths::{atan2, pow, sincos};
 use crate::base::vector::DVec2;
 use crate::leaf::polygon;
+use crate::leaf::remesh::sizing::Sizing;
 
 /// Seeds keep this share of the pitch away from the rim.
 const CLEARANCE: f64 = 0.62;
@@ -12,9 +13,11 @@ const TRIALS: u32 = 10;
 /// one in `CLOSE`.
 const ORIGINS: [[f64; 2]; 4] = [[0.0, 0.0], [0.5, 0.0], [0.25, 0.5], [0.75, 0.5]];
 const CLOSE: usize = 50;
+/// Pitches between that of an even mesh and the finest of a sizing.
+const SHELLS: u32 = 4;
 
 /// About `wanted` lattice points inside the loops, one row of the lattice turned by `angle` from +x.
-pub fn lattice(loops: &[Vec<DVec2>], spacing: f64, wanted: usize, angle: f64) -> Vec<DVec2> {
+pub fn lattice(loops: &[Vec<DVec2>], (spacing, sizing): (f64, Sizing), wanted: usize, angle: f64) -> Vec<DVec2> {
     if wanted == 0 {
         return Vec::new();
     }
@@ -22,10 +25,10 @@ pub fn lattice(loops: &[Vec<DVec2>], spacing: f64, wanted: usize, angle: f64) ->
     let turned = |p: &DVec2| DVec2::new(cosine * p.x + sine * p.y, cosine * p.y - sine * p.x);
     let loops: Vec<Vec<DVec2>> = loops.iter().map(|points| points.iter().map(turned).collect()).collect();
     let miss = |points: &[DVec2]| points.len().abs_diff(wanted);
-    let mut best = pitched(&loops, spacing, wanted, ORIGINS[0]);
+    let mut best = pitched(&loops, (spacing, sizing), wanted, ORIGINS[0]);
     for origin in &ORIGINS[1..] {
         if miss(&best) * CLOSE > wanted {
-            let trial = pitched(&loops, spacing, wanted, *origin);
+            let trial = pitched(&loops, (spacing, sizing), wanted, *origin);
             best = if miss(&trial) < miss(&best) { trial } else { best };
         }
     }
@@ -33,19 +36,35 @@ pub fn lattice(loops: &[Vec<DVec2>], spacing: f64, wanted: usize, angle: f64) ->
 }
 
 /// The lattice whose pitch gives the number nearest to `wanted`.
-fn pitched(loops: &[Vec<DVec2>], spacing: f64, wanted: usize, origin: [f64; 2]) -> Vec<DVec2> {
+fn pitched(loops: &[Vec<DVec2>], (spacing, sizing): (f64, Sizing), wanted: usize, origin: [f64; 2]) -> Vec<DVec2> {
     let miss = |points: &[DVec2]| points.len().abs_diff(wanted);
-    let (mut pitch, mut best) = (spacing, rows(loops, spacing, origin));
+    let (mut pitch, mut best) = (spacing, shells(loops, (spacing, sizing), origin));
     for _ in 0..TRIALS {
         let ratio = (best.len() as f64 + 1.0) / (wanted as f64 + 1.0);
         let next = (pitch * ratio.sqrt()).clamp(0.6 * spacing, 1.6 * spacing);
-        let trial = rows(loops, next, origin);
+        let trial = shells(loops, (next, sizing), origin);
         if miss(&trial) >= miss(&best) {
             break;
         }
         (pitch, best) = (next, trial);
     }
     best
+}
+
+/// Lattice points, in each shell of a sizing those of a lattice of its own pitch.
+fn shells(loops: &[Vec<DVec2>], (pitch, sizing): (f64, Sizing), origin: [f64; 2]) -> Vec<DVec2> {
+    if sizing.is_even() {
+        return rows(loops, pitch, origin);
+    }
+    let step = pow(sizing.finest, 1.0 / f64::from(SHELLS));
+    let shell = |k: u32| {
+        let share = pow(step, f64::from(k));
+        let bounds = [share * step.sqrt(), share / step.sqrt()];
+        let mut points = rows(loops, pitch * share, origin);
+        points.retain(|&p| sizing.at(p) >= bounds[0] && sizing.at(p) < bounds[1]);
+        points
+    };
+    (0..=SHELLS).flat_map(shell).collect()
 }
 
 /// The direction of rows with which most of the rim's length runs along rows: the mean heading of its sides, where headings
@@ -163,7 +182,7 @@ mod tests {
         let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(x, y)| DVec2::new(x, y));
         for wanted in [1, 20, 300] {
             let spacing = (1.0 / 0.75f64.sqrt() / wanted as f64).sqrt();
-            let seeds = lattice(&[square.to_vec()], spacing, wanted, 0.3);
+            let seeds = lattice(&[square.to_vec()], (spacing, Sizing::EVEN), wanted, 0.3);
             assert!(seeds.len().abs_diff(wanted) as f64 <= 2.0 + 0.03 * wanted as f64, "{} of {wanted}", seeds.len());
         }
     }

@@ -55,7 +55,7 @@ fn assert_valid(mesh: &Remesh) {
     assert!((doubled / enclosed - 1.0).abs() < 1e-9, "the triangles fill the loops");
     assert_eq!(mesh.history.len(), mesh.rounds as usize + 1);
     assert_eq!(mesh.history.last(), Some(&mesh.quality));
-    assert_eq!(graded(&mesh.points, &mesh.loops, triangles).excused, mesh.quality.excused);
+    assert_eq!(graded(&mesh.points, &mesh.loops, triangles, Sizing::EVEN).excused, mesh.quality.excused);
 }
 
 fn assert_count(mesh: &Remesh, wanted: usize) {
@@ -76,6 +76,24 @@ fn a_lobed_outline_is_meshed_evenly() {
         let area = Curve::new(&outline[0], 1e-3).area();
         assert!((polygon::doubled_area(&mesh.points[mesh.loops[0].clone()]) / (2.0 * area) - 1.0).abs() < 1e-3);
     }
+}
+
+#[test]
+fn edges_are_as_long_as_asked_about_the_joint() {
+    let outline = [lobed()];
+    let sizing = Sizing { finest: 0.33, reach: 0.1, end: 0.5 };
+    let mesh = sized(&outline, 600, 160, sizing).unwrap();
+    assert_valid(&mesh);
+    assert_count(&mesh, 600);
+    assert!(mesh.quality.q_mean > 0.97 && mesh.quality.edge_cv < 0.1 && mesh.quality.min_angle > 0.5, "{mesh:?}");
+    let mean = |from: f64, to: f64| {
+        let lengths = mesh.topology.edges.iter().map(|edge| edge.map(|v| mesh.points[v as usize]));
+        let there = lengths.filter(|[a, b]| (from..to).contains(&((a + b) * 0.5).norm()));
+        let (sum, count) = there.fold((0.0, 0.0), |(sum, count), [a, b]| (sum + (b - a).norm(), count + 1.0));
+        sum / count
+    };
+    let shorter = mean(0.0, 0.1) / mean(0.5, 2.0);
+    assert!((shorter / 0.33 - 1.0).abs() < 0.12, "{shorter}");
 }
 
 #[test]
