@@ -229,9 +229,7 @@ fn blade(settings: &Settings, pictures: Pictures, trace: Option<&Trace>) -> Resu
     let outlines: Vec<Vec<DVec2>> = shape.loops.iter().map(|spline| dense(spline, settings.length * 1e-3)).collect();
     let vertices = settings.vertices as usize;
     let mesh = match settings.meshing {
-        Meshing::Even => {
-            remesh::sized(&shape.loops, vertices, settings.iterations, joint_sizing(settings.length * 1e-3, vertices))?
-        }
+        Meshing::Even => remesh::sized(&shape.loops, vertices, settings.iterations, joint_sizing(settings))?,
         Meshing::Delaunay => remesh::bare(&shape.loops, vertices)?,
     };
     let mut figures = figures(&mesh, &outlines, shape.keys.len(), trace);
@@ -347,21 +345,20 @@ fn laid_out(mesh: &Remesh, outlines: &[Vec<DVec2>], length: f64) -> FlatMesh {
     flat
 }
 
-/// About the joint, where the petiole bears the whole blade, edges are this share of those elsewhere; up to this distance, and
-/// as long as elsewhere from that one on, in lengths of the blade. An edge that is not short against the clamp turns the
-/// whole blade by up to a degree.
-const JOINT_EDGES: f64 = 0.33;
+/// Edges are short about the joint up to the first distance, and as long as elsewhere from the second on, in lengths of the blade. An
+/// edge that is not short against the clamp turns the whole blade by up to a degree.
 const JOINT_REACH: [f64; 2] = [0.03, 0.11];
 
 /// Meshes of fewer vertices are even: their edges are as long as that reach, and would have to grow too fast.
-const JOINT_VERTICES: usize = 400;
+const JOINT_VERTICES: u32 = 400;
 
-/// Edges finer about the joint of a blade of a length, metres.
-fn joint_sizing(length: f64, vertices: usize) -> remesh::Sizing {
-    if vertices < JOINT_VERTICES {
+/// The lengths of a blade's edges.
+fn joint_sizing(settings: &Settings) -> remesh::Sizing {
+    if settings.vertices < JOINT_VERTICES {
         return remesh::Sizing::EVEN;
     }
-    remesh::Sizing { finest: JOINT_EDGES, reach: JOINT_REACH[0] * length, end: JOINT_REACH[1] * length }
+    let [reach, end] = JOINT_REACH.map(|lengths| lengths * settings.length * 1e-3);
+    remesh::Sizing { finest: settings.joint_edges, reach, end }
 }
 
 /// Distance from the joint, in lengths of the blade, within which the petiole holds vertices.

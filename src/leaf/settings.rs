@@ -75,6 +75,9 @@ settings! {
         meshing: Meshing = Meshing::Even;
         /// Vertices of the mesh.
         vertices: u32 = 220, range 12 => 20000;
+        /// Length of edges about the joint, where the petiole bears the blade, over that elsewhere; 1 for even ones. Meshes of less
+        /// than 400 vertices are even in any case.
+        joint_edges: f64 = 0.33, range 0.1 => 1.0;
         /// Most rounds of relocation and reconnection after triangulation; they end when the triangles have settled.
         iterations: u32 = 160, range 0 => 10000;
         /// Largest distance between a traced outline and the spline; a thousandth of the diagonal of the blade's bounding box,

@@ -1,6 +1,7 @@
 //! Texts as strokes at pixels.
 
-use super::letters::{BASE, LINES, Point, STROKE, TRACKING, UNITS, glyph, strokes};
+use super::letters::{BASE, LINES, Point, STROKE, TRACKING, UNITS, glyph};
+use super::marks::{base as unmarked, marked_strokes};
 use super::primitive::{Anchor, Pixel, Text, crisp};
 use super::words::{POWER_RISE, POWER_SIZE, runs, width};
 
@@ -38,8 +39,8 @@ pub(super) fn letter(text: &Text) -> Lettering {
         let size = text.size * if run.is_power { POWER_SIZE } else { 1.0 };
         let rise = if run.is_power { (text.size * POWER_RISE).round() } else { 0.0 } + stroke.round() / 2.0;
         for letter in run.text.chars() {
-            let (advance, table) = glyph(letter);
-            let strokes = strokes(table);
+            let (advance, _) = glyph(unmarked(letter));
+            let strokes = marked_strokes(letter);
             let stem = stem(&strokes).filter(|_| is_fitted).map(|x| base[0] + pen + x * size / UNITS);
             let pen_fitted = pen + stem.map_or(0.0, |stem| crisp(stem, stroke) - stem);
             let place = |point: [f64; 2]| {

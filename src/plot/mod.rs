@@ -36,6 +36,7 @@ mod legend;
 mod lettering;
 mod letters;
 mod mapping;
+mod marks;
 mod palette;
 mod primitive;
 mod range;

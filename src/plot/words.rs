@@ -1,6 +1,7 @@
 //! Names and captions as they may be written: cleaned, measured, cut to a width, with raised powers.
 
 use super::letters::{TRACKING, UNITS, glyph};
+use super::marks;
 
 /// The size of a power in relation to the letters that it stands at.
 pub(super) const POWER_SIZE: f64 = 0.72;
@@ -55,7 +56,7 @@ fn power_length(text: &str) -> usize {
 /// The width of a text in our font, in pixels.
 pub(super) fn width(text: &str, size: f64) -> f64 {
     let run_width = |run: &Run| {
-        let units: f64 = run.text.chars().map(|letter| glyph(letter).0 + TRACKING).sum();
+        let units: f64 = run.text.chars().map(|letter| glyph(marks::base(letter)).0 + TRACKING).sum();
         units * if run.is_power { POWER_SIZE } else { 1.0 }
     };
     runs(text).iter().map(run_width).sum::<f64>() * size / UNITS

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 /// The outlines without teeth or bristles, on which the rim is judged too.
 pub const SMOOTH: [&str; 2] = ["ellipse", "lobed"];
 
-/// The blades by name: an ellipse, five lobes with teeth, then the species; fewer of them when `quick`.
+/// The blades by name, their meshes even: an ellipse, five lobes with teeth, then the species; fewer of them when `quick`.
 #[must_use]
 pub fn all(quick: bool) -> Vec<(String, Settings)> {
     let mut all: Vec<(String, Settings)> =
@@ -18,6 +18,8 @@ pub fn all(quick: bool) -> Vec<(String, Settings)> {
     let few = ["red-maple", "english-oak"];
     let names = species::names().filter(|name| !quick || few.contains(name));
     all.extend(names.filter_map(|name| Some((name.to_owned(), blade_of(name)?))));
+    // How even edges are is what is measured.
+    all.iter_mut().for_each(|(_, settings)| settings.joint_edges = 1.0);
     all
 }
 
