@@ -299,8 +299,7 @@ impl Tree {
         let from = [0, 1].map(|k| between(bough.foot[k], bough.middle[k], leaves_at));
         let way = [end[0] - from[0], end[1] - from[1]];
         let long = (way[0] * way[0] + way[1] * way[1]).sqrt().max(0.3);
-        let mut branch =
-            Stroke { from, to: [end[0], end[1]], widths: [0.05, 0.02], depth: end[2], kind: self.kind };
+        let mut branch = Stroke { from, to: [end[0], end[1]], widths: [0.05, 0.02], depth: end[2], kind: self.kind };
         let mut area = 0.0;
         for number in 0..TWIGS {
             let along = random.range(0.35, 1.0);

@@ -3,7 +3,7 @@
 use crate::base::random::{Purpose, Stream};
 
 /// Radii of tufts, metres, the share of the height that each size makes up, and how often they cover the square.
-const TUFTS: [(f32, f32, f32); 2] = [(0.52, 0.60, 1.5), (0.21, 0.40, 1.9)];
+const TUFTS: [(f32, f32, f32); 2] = [(0.40, 0.52, 1.5), (0.15, 0.48, 1.9)];
 
 /// Heights and slopes of foliage.
 pub(super) struct Relief {
@@ -82,7 +82,8 @@ mod tests {
     #[test]
     fn the_relief_wraps_and_its_mean_does_not_depend_on_the_texels() {
         let [fine, coarse] = [(128, 0.1), (32, 0.4)].map(|(side, texel)| Relief::new(1, side, texel));
-        let mean = |relief: &Relief| relief.texels.iter().map(|tuft| tuft.height).sum::<f32>() / relief.texels.len() as f32;
+        let mean =
+            |relief: &Relief| relief.texels.iter().map(|tuft| tuft.height).sum::<f32>() / relief.texels.len() as f32;
         assert!((mean(&fine) - mean(&coarse)).abs() < 0.1, "{} {}", mean(&fine), mean(&coarse));
         assert_eq!(fine.at(3, 5).height, fine.at(131, 133).height);
         let slopes = fine.texels.iter().map(|tuft| tuft.slope[0]).sum::<f32>() / fine.texels.len() as f32;

@@ -51,7 +51,7 @@ impl Stock {
     fn dormancy(&self, worn: &[Option<Garment>]) -> f32 {
         let is_green = |garment: &&Garment| self.green.get(usize::from(garment.state)).is_some_and(|green| *green);
         let green = worn.iter().flatten().filter(is_green).count() as f32 / worn.len().max(1) as f32;
-        0.42 * smooth_step(0.1, 1.0, 1.0 - green) + 0.58 * smooth_step(0.25, 1.0, bareness(worn))
+        0.32 * smooth_step(0.1, 1.0, 1.0 - green) + 0.68 * smooth_step(0.25, 1.0, bareness(worn))
     }
 
     /// The ground as it looks while the trees wear this.

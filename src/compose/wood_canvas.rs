@@ -11,7 +11,7 @@ use std::ops::Range;
 /// Rows that are drawn at once.
 const BAND: usize = 16;
 /// How far tufts carry the rim of a lobe out and in, shares of its radius for a height of 1.
-const FRAYED: f32 = 0.62;
+const FRAYED: f32 = 0.90;
 /// Mean height of the relief: a lobe of its mean reaches as far as its radius.
 const MEAN_HEIGHT: f32 = 0.52;
 /// Coverage that counts as closed.
@@ -162,7 +162,8 @@ impl Band<'_> {
             let half = wide * (reach * reach - up * up).max(0.0).sqrt();
             for column in self.columns(x - half, x + half) {
                 let across = ((column as f32 + 0.5) * texel - x) / wide;
-                let tuft = self.relief.at((column as usize).wrapping_add(bits), (row as usize).wrapping_add(bits >> 16));
+                let tuft =
+                    self.relief.at((column as usize).wrapping_add(bits), (row as usize).wrapping_add(bits >> 16));
                 self.leaves(lobe, [column, row], [across, up], tuft);
             }
         }
@@ -264,8 +265,7 @@ mod tests {
     fn what_reaches_over_the_rim_comes_in_on_the_other_side() {
         let length = GRID.width as f32 * GRID.texel;
         for x in [0.5 * length, 0.0, length] {
-            let lobe =
-                Lobe { middle: [x, 3.4, 0.0], radii: [1.2, 0.9], normal: [0.0; 2], kind: 0.5, light: 1.0 };
+            let lobe = Lobe { middle: [x, 3.4, 0.0], radii: [1.2, 0.9], normal: [0.0; 2], kind: 0.5, light: 1.0 };
             let expected = std::f32::consts::PI * 1.2 * 0.9;
             let leaves = area(&painted(GRID, Mark::Leaves(lobe)), |texel| texel.leaves);
             assert!((leaves / expected - 1.0).abs() < 0.25, "{x}: {leaves} {expected}");

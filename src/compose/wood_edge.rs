@@ -171,9 +171,9 @@ fn undergrowth(canvas: &mut Canvas, seed: u64) {
         if y < top {
             (texel.leaves, texel.light) = (1.0, 0.05 + 0.02 * y / top);
         }
-        if y < 22.0 {
+        if y < 18.0 {
             let streak = streaks.value(x / length * 512.0, y * 0.25);
-            let [near, far] = [y / 5.5, y / 11.0].map(|share| expf(-share * share));
+            let [near, far] = [y / 5.5, y / 8.5].map(|share| expf(-share * share));
             texel.wood = ((0.94 * near + 0.34 * far) * (0.72 + 0.4 * streak)).min(0.96);
         }
     });
@@ -221,14 +221,16 @@ mod tests {
     #[test]
     fn bare_trees_let_the_sky_through_where_leaves_close_it() {
         let canvas = drawn(2, 1);
-        let [leaves, wood] = [|texel: &Texel| texel.leaves, |texel: &Texel| texel.wood].map(|of| mean(&canvas, 0.3..0.5, of));
+        let [leaves, wood] =
+            [|texel: &Texel| texel.leaves, |texel: &Texel| texel.wood].map(|of| mean(&canvas, 0.3..0.5, of));
         assert!(wood < 0.8 * leaves && wood > 0.05, "{wood} {leaves}");
     }
 
     #[test]
     fn what_covers_does_not_depend_on_the_texels() {
         let [fine, coarse] = [0, 3].map(|halvings| drawn(3, halvings));
-        for of in [|texel: &Texel| texel.leaves, |texel: &Texel| texel.wood, |texel: &Texel| texel.leaves * texel.light] {
+        for of in [|texel: &Texel| texel.leaves, |texel: &Texel| texel.wood, |texel: &Texel| texel.leaves * texel.light]
+        {
             let [fine, coarse] = [&fine, &coarse].map(|canvas| mean(canvas, 0.0..1.0, of));
             assert!((fine / coarse - 1.0).abs() < 0.08, "{fine} {coarse}");
         }

@@ -11,11 +11,11 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 
 /// Share of the sky's light that reaches the deepest shade between crowns (judged).
-const DEEP: f32 = 0.22;
+const DEEP: f32 = 0.28;
 /// How far around its rim sunlight creeps over a crown, whose leaves lie all ways (judged).
 const AROUND: f32 = 0.22;
 /// Share of single scattering that leaves a crown again from between its leaves, with what is scattered more than once (judged).
-const OUT: f32 = 1.55;
+const OUT: f32 = 1.75;
 /// Light that comes to bare wood, and how much of it leaves take.
 const WOOD_LIGHT: [f32; 2] = [0.74, 0.45];
 
@@ -45,7 +45,7 @@ const BARE: [[f32; 3]; 2] = [[0.104, 0.086, 0.074], [0.142, 0.112, 0.086]];
 /// Reflectance of conifers' crowns (linear, judged).
 const EVERGREEN: [f32; 3] = [0.062, 0.082, 0.030];
 /// Tints of the kinds of trees, on the frame's own foliage.
-const TINTS: [[f32; 3]; 3] = [[0.86, 0.92, 0.86], [1.06, 1.02, 0.90], [1.26, 1.12, 0.84]];
+const TINTS: [[f32; 3]; 3] = [[0.90, 0.93, 0.80], [1.08, 1.03, 0.82], [1.26, 1.12, 0.78]];
 /// Steps between the kinds whose colours are kept.
 const STEPS: usize = 64;
 
@@ -92,8 +92,7 @@ impl Palette {
             // A tree wears leaves of many states at once.
             let own = mean_between(&ranges, kind - TURNING, kind + TURNING);
             let tint = tint(kind);
-            let tinted =
-                |own: [f32; 3], all: [f32; 3]| std::array::from_fn(|k| mix(own[k], all[k], SHARED) * tint[k]);
+            let tinted = |own: [f32; 3], all: [f32; 3]| std::array::from_fn(|k| mix(own[k], all[k], SHARED) * tint[k]);
             (tinted(own.0, mean.0), tinted(own.1, mean.1))
         });
         Self { kinds: if leaves.is_empty() { Vec::new() } else { kinds.collect() } }
@@ -103,7 +102,7 @@ impl Palette {
     fn leaves(&self, kind: f32) -> Optics {
         let place = kind.clamp(0.0, 1.0) * STEPS as f32;
         let first = (place as usize).min(STEPS - 1);
-        let evergreen = (-1.5 * kind).clamp(0.0, 1.0);
+        let evergreen = smooth_step(0.15, 0.45, -kind);
         let [Some(low), Some(high)] = [first, first + 1].map(|step| self.kinds.get(step)) else {
             return (EVERGREEN, [0.0; 3]);
         };
@@ -139,7 +138,7 @@ fn tint(kind: f32) -> [f32; 3] {
 fn hanging(kind: f32, bareness: f32) -> f32 {
     let begins = (1.0 - kind.max(0.0)) * (1.0 - SHEDDING);
     let shed = ((bareness - begins) / SHEDDING).clamp(0.0, 1.0);
-    1.0 - shed * (1.0 + 1.5 * kind.min(0.0)).max(0.0)
+    1.0 - shed * (1.0 - smooth_step(0.15, 0.45, -kind))
 }
 
 /// Share of a place's leaves that is seen when a tree has a share of its own; `order` tells the places that are bare last (0)
@@ -148,7 +147,7 @@ fn hanging(kind: f32, bareness: f32) -> f32 {
 fn left(hanging: f32, order: f32) -> f32 {
     const LAYERS: f32 = 2.0;
     let seen = (1.0 - expf(-LAYERS * hanging)) / (1.0 - expf(-LAYERS));
-    smooth_step(order - 0.16, order + 0.16, mix(-0.17, 1.17, seen))
+    smooth_step(order - 0.24, order + 0.24, mix(-0.25, 1.25, seen))
 }
 
 /// Where a place is in the order in which a crown grows bare, 0..1: tuft by tuft, told from how it is turned and lit.
@@ -255,10 +254,15 @@ impl Prepared<'_> {
         let light = light.clamp(0.0, 1.0);
         let kind = if kind > 0.0 { folded(kind + 0.9 * varied) } else { kind };
         let closed = smooth_step(0.0, 0.2, band);
-        let leaves = smooth_step(0.06, 0.94, leaves).max(closed) * left(hanging(kind, wood.bareness), order([right, up], light));
+        let leaves =
+            smooth_step(0.06, 0.94, leaves).max(closed) * left(hanging(kind, wood.bareness), order([right, up], light));
         let bare = bare.max(closed * smooth_step(0.0, 0.4, wood.bareness));
         // Twigs end among their leaves; trunks show between crowns.
-        let bare = mix(smooth_step(0.55, 0.95, bare), bare, smooth_step(0.0, 0.6, 1.0 - hanging(kind.max(0.0), wood.bareness)));
+        let bare = mix(
+            smooth_step(0.55, 0.95, bare),
+            bare,
+            smooth_step(0.0, 0.6, 1.0 - hanging(kind.max(0.0), wood.bareness)),
+        );
         let covered = leaves + bare.max(0.0) * (1.0 - leaves);
         if covered <= 0.002 {
             return (0.0, [0.0; 3]);
@@ -288,7 +292,7 @@ impl Prepared<'_> {
         let inside = DEEP * (1.0 - light);
         std::array::from_fn(|k| {
             let of_sun = (reflected[k] * sent_back + transmitted[k] * let_through) * sun[k];
-            let of_sky = (0.8 * reflected[k] + 0.35 * transmitted[k]) * ambient[k] * light;
+            let of_sky = (0.8 * reflected[k] + 0.35 * transmitted[k]) * ambient[k] * light * (0.3 + 0.7 * light);
             (of_sun + of_sky + (reflected[k] + transmitted[k]) * ambient[k] * inside) / PI
         })
     }
@@ -368,7 +372,8 @@ mod tests {
     fn each_tree_turns_over_some_days_and_one_after_another() {
         // One leaf in a hundred turns a day.
         let mean = |red: u64| -> Optics {
-            let part = |green: [f32; 3], other: [f32; 3]| std::array::from_fn(|k| mix(green[k], other[k], red as f32 / 100.0));
+            let part =
+                |green: [f32; 3], other: [f32; 3]| std::array::from_fn(|k| mix(green[k], other[k], red as f32 / 100.0));
             (part(GREEN.0, RED.0), part(GREEN.1, RED.1))
         };
         let palettes: Vec<Palette> =
@@ -404,7 +409,8 @@ mod tests {
 
     #[test]
     fn the_meadow_s_far_rim_rises_and_falls_and_closes_the_circle() {
-        let rim = |around: f32| (0..400).map(|step| step as f32 * 0.01).find(|height| above_hem(around, *height, 0.0) > 0.5);
+        let rim =
+            |around: f32| (0..400).map(|step| step as f32 * 0.01).find(|height| above_hem(around, *height, 0.0) > 0.5);
         let rims: Vec<f32> = (0..300).filter_map(|step| rim(step as f32 / 300.0)).collect();
         assert_eq!(rims.len(), 300);
         let (low, high) = rims.iter().fold((f32::MAX, 0.0f32), |(low, high), rim| (low.min(*rim), high.max(*rim)));

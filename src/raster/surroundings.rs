@@ -126,7 +126,7 @@ impl Prepared<'_> {
         let sun = self.frame.sun.irradiance.map(|e| e * meeting * self.atmosphere.sun_share());
         let sky = self.atmosphere.open.irradiance(Vec3::y());
         let straw = (STRAWY + 0.24 * (patch - 0.5) + 0.58 * ground.dormant) * ground.blades;
-        let light = 0.84 + 0.22 * patch;
+        let light = 0.66 + 0.34 * patch;
         let lit = std::array::from_fn(|k| light * mean[k] * mix(1.0, STRAW[k], straw) * (sun[k] + sky[k]) / PI);
         self.atmosphere.hazed(lit, ray * distance)
     }
@@ -185,7 +185,8 @@ impl Prepared<'_> {
         let detail = if near > 0.0 { texture.sample(place / ground.tile, footprint) } else { mean };
         // Where even a tuft that is drawn out is shorter than a pixel it would be a weave of the lattice and the pixels.
         let drawn = 1.0 - smooth_step(0.6 * LONGEST, 1.6 * LONGEST, 0.5 / (-ray.y).max(1e-4));
-        let upright = if ground.blades > 0.0 && drawn > 0.0 { self.tufts(place, octave) * ground.blades * drawn } else { 0.0 };
+        let upright =
+            if ground.blades > 0.0 && drawn > 0.0 { self.tufts(place, octave) * ground.blades * drawn } else { 0.0 };
         // A tuft hides what lies behind it, so patches end in tufts: what is seen lies nearer by its height over the slope.
         let seen = place - self.atmosphere.ahead * (upright * TALL * ground.blades / (-ray.y).max(1e-3));
         let [middle, small] = [(4.3, 4), (1.15, 3)].map(|(size, salt)| patches(seen / size, salt, long / size));
