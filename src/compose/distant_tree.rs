@@ -62,12 +62,18 @@ pub(super) struct Lobe {
 /// A piece of wood: a straight stroke, metres.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stroke {
-    pub from: [f64; 2],
-    pub to: [f64; 2],
+    pub from: [f32; 2],
+    pub to: [f32; 2],
     /// At both ends.
-    pub widths: [f64; 2],
-    pub depth: f64,
-    pub kind: f64,
+    pub widths: [f32; 2],
+    pub depth: f32,
+}
+
+impl Stroke {
+    fn new([from, to]: [[f64; 2]; 2], widths: [f64; 2], depth: f64) -> Self {
+        let single = |pair: [f64; 2]| pair.map(|value| value as f32);
+        Self { from: single(from), to: single(to), widths: single(widths), depth: depth as f32 }
+    }
 }
 
 /// A bough: where it leaves the trunk, its middle, its reach and the share of the crown's height.
@@ -106,7 +112,7 @@ impl Form {
     /// Boughs of a tree, branches of a bough and small lobes on a bough's lobe.
     fn counts(self) -> [u32; 3] {
         match self {
-            Self::Broad => [26, 13, 7],
+            Self::Broad => [24, 13, 8],
             Self::Tall => [24, 12, 6],
             Self::Narrow => [20, 8, 4],
             Self::Spire => [84, 0, 0],
@@ -189,6 +195,8 @@ impl Tree {
                 _ => self.domed(&bough, &mut random, &mut lobes),
             }
         }
+        // The nearest first: what they hide need not be drawn.
+        lobes.sort_by(|one, other| other.middle[2].total_cmp(&one.middle[2]));
         lobes
     }
 
@@ -206,9 +214,9 @@ impl Tree {
             let (up, turn) = (random.range(-0.45, 1.0), random.range(0.0, TAU));
             let level = (1.0 - up * up).sqrt();
             let step = [level * sin(turn), up * flat, level * sin(turn + 0.25 * TAU)];
-            let out = reach * random.range(0.70, 1.0);
+            let out = reach * random.range(0.70, 1.16);
             let middle = [0, 1, 2].map(|k| bough.middle[k] + out * step[k]);
-            let size = reach * random.range(0.26, 0.52);
+            let size = reach * random.range(0.22, 0.48);
             let light = own * random.range(0.86, 1.14) * (0.86 + 0.14 * up);
             lobes.push(self.lobe(middle, [size, size * (0.5 + 0.5 * flat)], light));
         }
@@ -265,8 +273,8 @@ impl Tree {
         let at = move |piece: u32| f64::from(piece) / f64::from(PIECES) * tree.height * 0.96;
         (0..PIECES).map(move |piece| {
             let [low, high] = [at(piece), at(piece + 1)];
-            let [from, to] = [low, high].map(|y| [tree.trunk_at(y), y]);
-            Stroke { from, to, widths: [tree.width_at(low), tree.width_at(high)], depth: tree.depth, kind: tree.kind }
+            let ends = [low, high].map(|y| [tree.trunk_at(y), y]);
+            Stroke::new(ends, [tree.width_at(low), tree.width_at(high)], tree.depth)
         })
     }
 
@@ -275,55 +283,72 @@ impl Tree {
         (self.diameter() * pow((1.0 - y / self.height).max(0.0), 0.8)).max(0.02)
     }
 
-    /// Its boughs and what is on them, which show when it is bare; `fine` twigs on a branch, whose area the branch takes on
-    /// where there are none.
-    pub(super) fn twigs(&self, seed: u64, fine: u32) -> Vec<Stroke> {
+    /// Its boughs and what is on them, which show when it is bare; without twigs the branches are thicker by their
+    /// area.
+    pub(super) fn twigs(&self, seed: u64, has_twigs: bool) -> Vec<Stroke> {
         let mut strokes = Vec::new();
         for (number, bough) in self.boughs(seed).enumerate() {
             let mut random = Stream::new(seed, Purpose::Surroundings, self.number, 200 + number as u64);
+            let mut of_twigs = Stream::new(seed, Purpose::Surroundings, self.number, 400 + number as u64);
             let to = [bough.middle[0], bough.middle[1]];
             let start = (0.45 * self.width_at(bough.foot[1])).max(0.05);
-            let depth = bough.middle[2];
-            strokes.push(Stroke { from: bough.foot, to, widths: [start, 0.05], depth, kind: self.kind });
+            strokes.push(Stroke::new([bough.foot, to], [start, 0.05], bough.middle[2]));
             for _ in 0..self.form.counts()[1] {
-                self.spray(&bough, fine, &mut random, &mut strokes);
+                let (ends, depth) = self.branch(&bough, &mut random);
+                let bare = [0.05, 0.02];
+                let widths = if has_twigs { bare } else { bare.map(|width| width + self.twigs_area() / length(ends)) };
+                if has_twigs {
+                    strokes.extend((0..TWIGS).map(|_| Stroke::new(self.twig(ends, &mut of_twigs), TWIG, depth)));
+                }
+                strokes.push(Stroke::new(ends, widths, depth));
             }
         }
         strokes
     }
 
-    /// A branch from a bough to its end, with the twigs on it.
-    fn spray(&self, bough: &Bough, fine: u32, random: &mut Stream, strokes: &mut Vec<Stroke>) {
+    /// A branch from a bough to its end, and its depth.
+    fn branch(&self, bough: &Bough, random: &mut Stream) -> ([[f64; 2]; 2], f64) {
         let end = self.tip(bough, random);
         let leaves_at = random.range(0.35, 1.0);
-        let from = [0, 1].map(|k| between(bough.foot[k], bough.middle[k], leaves_at));
-        let way = [end[0] - from[0], end[1] - from[1]];
-        let long = (way[0] * way[0] + way[1] * way[1]).sqrt().max(0.3);
-        let mut branch = Stroke { from, to: [end[0], end[1]], widths: [0.05, 0.02], depth: end[2], kind: self.kind };
-        let mut area = 0.0;
-        for number in 0..TWIGS {
-            let along = random.range(0.35, 1.0);
-            let foot = [0, 1].map(|k| between(from[k], branch.to[k], along));
-            let (length, aside) = (random.range(0.4, 1.2) * (0.3 + 0.05 * self.height), random.range(-0.6, 0.6));
-            // Twigs fork off their branch and turn up to the light.
-            let to = [
-                foot[0] + (way[0] - aside * way[1]) / long * length * 0.75,
-                foot[1] + (way[1] + aside * way[0]) / long * length * 0.75 + 0.35 * length,
-            ];
-            let widths = [0.036, 0.014];
-            if number < fine {
-                strokes.push(Stroke { from: foot, to, widths, ..branch });
-            } else {
-                area += 0.5 * (widths[0] + widths[1]) * length;
-            }
-        }
-        branch.widths = branch.widths.map(|width| width + area / long);
-        strokes.push(branch);
+        ([[0, 1].map(|k| between(bough.foot[k], bough.middle[k], leaves_at)), [end[0], end[1]]], end[2])
+    }
+
+    /// A twig on a branch: it forks off and turns up to the light.
+    fn twig(&self, [from, to]: [[f64; 2]; 2], random: &mut Stream) -> [[f64; 2]; 2] {
+        let way = [0, 1].map(|k| (to[k] - from[k]) / length([from, to]));
+        let along = random.range(0.35, 1.0);
+        let foot = [0, 1].map(|k| between(from[k], to[k], along));
+        let (length, aside) =
+            (random.range(TWIG_LENGTHS[0], TWIG_LENGTHS[1]) * self.twig_scale(), random.range(-0.6, 0.6));
+        let end = [
+            foot[0] + (way[0] - aside * way[1]) * length * 0.75,
+            foot[1] + (way[1] + aside * way[0]) * length * 0.75 + 0.35 * length,
+        ];
+        [foot, end]
+    }
+
+    fn twig_scale(&self) -> f64 {
+        0.3 + 0.05 * self.height
+    }
+
+    /// Mean area of the twigs on a branch, square metres.
+    fn twigs_area(&self) -> f64 {
+        let length = 0.5 * (TWIG_LENGTHS[0] + TWIG_LENGTHS[1]) * self.twig_scale();
+        f64::from(TWIGS) * 0.5 * (TWIG[0] + TWIG[1]) * length
     }
 }
 
+/// Length of a line, metres, at least a little.
+fn length([from, to]: [[f64; 2]; 2]) -> f64 {
+    let way = [to[0] - from[0], to[1] - from[1]];
+    (way[0] * way[0] + way[1] * way[1]).sqrt().max(0.3)
+}
+
+/// Widths of a twig at its ends, metres, and its shortest and longest, of trees of a scale of 1 metre.
+const TWIG: [f64; 2] = [0.036, 0.014];
+const TWIG_LENGTHS: [f64; 2] = [0.4, 1.2];
 /// Twigs on a branch.
-pub(super) const TWIGS: u32 = 2;
+const TWIGS: u32 = 2;
 
 fn between(a: f64, b: f64, t: f64) -> f64 {
     a + (b - a) * t
@@ -349,22 +374,22 @@ mod tests {
                 assert_eq!(lobe.kind < 0.0, form == Form::Spire);
             }
             let base = tree.trunk().next().expect("a trunk's foot");
-            assert!((base.widths[0] - tree.diameter()).abs() < 1e-9 && base.widths[1] <= base.widths[0]);
+            assert!((base.widths[0] - tree.diameter() as f32).abs() < 1e-6 && base.widths[1] <= base.widths[0]);
         }
     }
 
     #[test]
     fn branches_without_their_twigs_have_the_same_area() {
         let tree = Tree::new(1, 3, [50.0, 0.0], 12.0, Form::Broad);
-        let area = |fine: u32| -> f64 {
+        let area = |has_twigs: bool| -> f32 {
             let of = |stroke: &Stroke| {
-                let length = libm::hypot(stroke.to[0] - stroke.from[0], stroke.to[1] - stroke.from[1]);
+                let length = libm::hypotf(stroke.to[0] - stroke.from[0], stroke.to[1] - stroke.from[1]);
                 length * 0.5 * (stroke.widths[0] + stroke.widths[1])
             };
-            tree.twigs(1, fine).iter().map(of).sum()
+            tree.twigs(1, has_twigs).iter().map(of).sum()
         };
         // Twigs that turn aside are a little longer or shorter than they are wide for.
-        assert!((area(0) / area(TWIGS) - 1.0).abs() < 0.12, "{} {}", area(0), area(TWIGS));
+        assert!((area(false) / area(true) - 1.0).abs() < 0.12, "{} {}", area(false), area(true));
     }
 
     #[test]
