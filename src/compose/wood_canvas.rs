@@ -259,7 +259,7 @@ mod tests {
     }
 
     fn painted(grid: Grid, mark: Mark) -> Canvas {
-        let relief = Relief::new(1, grid.width.min(128), grid.texel);
+        let relief = Relief::new(1, 128, 0.106, (512 / grid.width).ilog2());
         let mut canvas = Canvas::new(grid);
         canvas.paint(&[mark], &relief);
         canvas
@@ -296,7 +296,7 @@ mod tests {
     fn a_trunk_hides_the_leaves_behind_it_only() {
         let lobe = Lobe { middle: [10.0, 3.0, 0.0], radii: [1.5, 1.5], normal: [0.0; 2], kind: 0.5, light: 1.0 };
         let trunk = |depth: f32| Stroke { from: [10.0, 0.0], to: [10.0, 5.0], widths: [0.5; 2], depth };
-        let relief = Relief::new(1, 128, GRID.texel);
+        let relief = Relief::new(1, 128, GRID.texel, 0);
         let leaves = |depth: f32| {
             let mut canvas = Canvas::new(GRID);
             canvas.paint(&[Mark::Leaves(lobe), Mark::Trunk(trunk(depth))], &relief);

@@ -152,7 +152,7 @@ fn drawn(seed: u64, halvings: u32) -> Canvas {
     nearest_first.sort_by(|one, other| other.depth.total_cmp(&one.depth));
     let marks: Vec<Mark> = nearest_first.par_iter().flat_map_iter(of).chain(stems.collect::<Vec<Mark>>()).collect();
     let (trunks, others): (Vec<Mark>, Vec<Mark>) = marks.into_iter().partition(|mark| matches!(mark, Mark::Trunk(_)));
-    let relief = Relief::new(hash(seed, 54), RELIEF >> halvings, texel);
+    let relief = Relief::new(hash(seed, 54), RELIEF, TEXEL as f32, halvings);
     canvas.paint(&others, &relief);
     canvas.paint(&trunks, &relief);
     canvas.continue_upwards();
