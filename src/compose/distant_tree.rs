@@ -1,5 +1,5 @@
-//! Trees of a distant wood, as few strokes and clumps: a trunk, boughs about it inside the envelope of a form, clumps of leaves
-//! about each bough. The same tree bears the leaves of summer and shows the twigs of winter.
+//! Trees of a distant wood, as few strokes and lobes: a trunk, boughs about it inside the envelope of a form, a lobe of leaves
+//! on each bough with smaller ones on it. The same tree bears the leaves of summer and shows the twigs of winter.
 
 use super::sward::GOLDEN_ANGLE;
 use crate::base::maths::{exp, pow, sin};
@@ -44,31 +44,36 @@ pub(super) struct Tree {
     pub open: f64,
 }
 
-/// A clump of leaves: a frayed ball.
+/// A lobe of leaves: the near half of an ellipsoid.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Clump {
-    pub x: f64,
-    pub y: f64,
-    pub depth: f64,
-    pub radius: f64,
+pub(super) struct Lobe {
+    /// The middle: along the edge, up and towards the meadow, metres.
+    pub middle: [f32; 3],
+    /// Half of its width (and depth) and of its height, metres.
+    pub radii: [f32; 2],
     /// The part of the crown's normal along the edge and up.
-    pub normal: [f64; 2],
+    pub normal: [f32; 2],
     /// Kind of foliage, 0..1; -1 for what stays green.
-    pub kind: f64,
+    pub kind: f32,
     /// Share of light that comes to it, 0..1.
-    pub light: f64,
+    pub light: f32,
 }
 
 /// A piece of wood: a straight stroke, metres.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stroke {
-    pub from: [f64; 2],
-    pub to: [f64; 2],
+    pub from: [f32; 2],
+    pub to: [f32; 2],
     /// At both ends.
-    pub widths: [f64; 2],
-    pub depth: f64,
-    pub kind: f64,
-    pub light: f64,
+    pub widths: [f32; 2],
+    pub depth: f32,
+}
+
+impl Stroke {
+    fn new([from, to]: [[f64; 2]; 2], widths: [f64; 2], depth: f64) -> Self {
+        let single = |pair: [f64; 2]| pair.map(|value| value as f32);
+        Self { from: single(from), to: single(to), widths: single(widths), depth: depth as f32 }
+    }
 }
 
 /// A bough: where it leaves the trunk, its middle, its reach and the share of the crown's height.
@@ -78,6 +83,9 @@ struct Bough {
     reach: f64,
     up: f64,
 }
+
+/// Boughs of a conifer's whorl.
+const IN_A_WHORL: u32 = 6;
 
 impl Form {
     /// Height over that of the stand, and ranges of the crown's radius over the height.
@@ -101,14 +109,14 @@ impl Form {
         }
     }
 
-    /// Boughs of a tree and clumps of a bough.
-    fn counts(self) -> (u32, u64) {
+    /// Boughs of a tree, branches of a bough and small lobes on a bough's lobe.
+    fn counts(self) -> [u32; 3] {
         match self {
-            Self::Broad => (34, 10),
-            Self::Tall => (32, 9),
-            Self::Narrow => (24, 7),
-            Self::Spire => (46, 11),
-            Self::Bush => (4, 7),
+            Self::Broad => [24, 13, 8],
+            Self::Tall => [24, 12, 6],
+            Self::Narrow => [20, 8, 4],
+            Self::Spire => [84, 0, 0],
+            Self::Bush => [4, 7, 5],
         }
     }
 }
@@ -142,23 +150,35 @@ impl Tree {
 
     fn boughs(&self, seed: u64) -> impl Iterator<Item = Bough> {
         let tree = *self;
-        let count = self.form.counts().0;
+        let count = self.form.counts()[0];
         (0..count).map(move |number| {
             let mut random = Stream::new(seed, Purpose::Surroundings, tree.number, 100 + u64::from(number));
-            let up = ((f64::from(number) + random.uniform()) / f64::from(count)).clamp(0.03, 0.97);
+            let up = match tree.form {
+                // Whorls, a year's growth apart, closer towards the top.
+                Form::Spire => {
+                    let tiers = f64::from(count / IN_A_WHORL);
+                    let tier = f64::from(number / IN_A_WHORL) + 0.55 * random.uniform();
+                    1.0 - pow(1.0 - tier / tiers, 1.12)
+                }
+                _ => (f64::from(number) + random.uniform()) / f64::from(count),
+            };
+            let up = up.clamp(0.02, 0.985);
             let turn = f64::from(number) * GOLDEN_ANGLE + random.range(-0.5, 0.5);
             let girth = tree.form.girth(up) * tree.width;
             let bottom = tree.bole * tree.height;
             let y = bottom + up * (tree.height - bottom);
             let (out, reach, rise) = match tree.form {
-                Form::Spire => (girth * 0.42, (0.58 * girth * random.range(0.8, 1.15)).max(0.25), -0.1),
+                Form::Spire => {
+                    let reach = (girth * random.range(0.78, 1.14)).max(0.12);
+                    (reach, reach, 0.0)
+                }
                 Form::Narrow => (girth * random.range(0.2, 0.6), (0.5 * tree.width).max(0.5), 1.3),
                 _ => {
-                    let reach = tree.width * random.range(0.16, 0.34) * (0.4 + 0.6 * girth / tree.width);
-                    (girth * random.range(0.15, 0.92), reach, 0.75)
+                    let reach = tree.width * random.range(0.22, 0.38) * (0.5 + 0.5 * girth / tree.width);
+                    (girth * random.range(0.10, 0.80), reach, 0.75)
                 }
             };
-            let y = (y - 0.4 * reach).max(0.25 * reach);
+            let y = if tree.form == Form::Spire { y } else { (y - 0.4 * reach).max(0.25 * reach) };
             let foot = (y - out * rise).clamp(0.1 * tree.height, tree.height * 0.95);
             let middle = [tree.trunk_at(y) + out * sin(turn), y, tree.depth + out * sin(turn + 0.25 * TAU)];
             Bough { foot: [tree.trunk_at(foot), foot], middle, reach, up }
@@ -166,107 +186,169 @@ impl Tree {
     }
 
     /// Its leaves.
-    pub(super) fn clumps(&self, seed: u64) -> impl Iterator<Item = Clump> {
+    pub(super) fn lobes(&self, seed: u64) -> Vec<Lobe> {
+        let mut lobes = Vec::new();
+        for (number, bough) in self.boughs(seed).enumerate() {
+            let mut random = Stream::new(seed, Purpose::Surroundings, self.number, 300 + number as u64);
+            match self.form {
+                Form::Spire => self.drooping(&bough, &mut random, &mut lobes),
+                _ => self.domed(&bough, &mut random, &mut lobes),
+            }
+        }
+        // The nearest first: what they hide need not be drawn.
+        lobes.sort_by(|one, other| other.middle[2].total_cmp(&one.middle[2]));
+        lobes
+    }
+
+    /// A lobe on a bough with smaller ones on its upper and outer side.
+    fn domed(&self, bough: &Bough, random: &mut Stream, lobes: &mut Vec<Lobe>) {
+        let flat = if self.form == Form::Narrow { 1.1 } else { random.range(0.62, 0.84) };
+        let own = random.range(0.88, 1.12);
+        let reach = 1.05 * bough.reach;
+        lobes.push(self.lobe(bough.middle, [reach, reach * flat], own));
+        // Leaves along the bough join its lobe to the crown.
+        let [x, y] = [self.trunk_at(bough.middle[1]), bough.middle[1]];
+        let inside = [between(x, bough.middle[0], 0.45), y - 0.3 * reach, between(self.depth, bough.middle[2], 0.45)];
+        lobes.push(self.lobe(inside, [0.85 * reach, 0.8 * reach], 0.85 * own));
+        for _ in 0..self.form.counts()[2] {
+            let (up, turn) = (random.range(-0.45, 1.0), random.range(0.0, TAU));
+            let level = (1.0 - up * up).sqrt();
+            let step = [level * sin(turn), up * flat, level * sin(turn + 0.25 * TAU)];
+            let out = reach * random.range(0.70, 1.16);
+            let middle = [0, 1, 2].map(|k| bough.middle[k] + out * step[k]);
+            let size = reach * random.range(0.22, 0.48);
+            let light = own * random.range(0.86, 1.14) * (0.86 + 0.14 * up);
+            lobes.push(self.lobe(middle, [size, size * (0.5 + 0.5 * flat)], light));
+        }
+    }
+
+    /// A conifer's bough: it leaves the trunk, droops under its needles and lifts its tip.
+    fn drooping(&self, bough: &Bough, random: &mut Stream, lobes: &mut Vec<Lobe>) {
+        const PIECES: u32 = 4;
+        let droop = bough.reach * (0.62 - 0.75 * bough.up) * random.range(0.8, 1.2);
+        let own = random.range(0.80, 1.16);
+        let [x, y, depth] = [self.trunk_at(bough.middle[1]), bough.middle[1], self.depth];
+        let out = [bough.middle[0] - x, bough.middle[2] - depth];
+        for piece in 1..=PIECES {
+            let along = f64::from(piece) / f64::from(PIECES);
+            let down = droop * (1.25 * along * along - 0.42 * pow(along, 5.0));
+            let middle = [x + out[0] * along, (y - down).max(0.15), depth + out[1] * along];
+            let wide = (0.30 * bough.reach * (1.15 - 0.72 * along)).max(0.14);
+            let thick = (0.029 * self.height * (1.2 - 0.75 * along)).clamp(0.10, 0.60) * random.range(0.7, 1.2);
+            let light = own * (0.55 + 0.55 * along);
+            lobes.push(self.lobe(middle, [wide, thick], light));
+        }
+    }
+
+    /// A lobe with the crown's normal and the light that comes to its place.
+    fn lobe(&self, [x, y, depth]: [f64; 3], radii: [f64; 2], own: f64) -> Lobe {
+        let bottom = self.bole * self.height;
+        let up = ((y - bottom) / (self.height - bottom)).clamp(0.0, 1.0);
+        let aside = ((x - self.trunk_at(y)) / self.width).clamp(-1.0, 1.0);
+        let towards = ((depth - self.depth) / self.width).clamp(-1.0, 1.0);
+        // The crown's top is in the open, its inside and its foot are not; tops rise over the neighbours' shade.
+        let open = self.open + (1.0 - self.open) * up * up;
+        let light = (0.56 + 0.44 * up) * (0.86 + 0.14 * towards) * (1.0 - 0.14 * aside * aside) * open * own;
+        Lobe {
+            middle: [x as f32, y.min(self.height) as f32, depth as f32],
+            radii: radii.map(|radius| radius as f32),
+            normal: [(0.50 * aside) as f32, (0.60 * up - 0.10) as f32],
+            kind: if self.form == Form::Spire { -1.0 } else { self.kind as f32 },
+            light: light.clamp(0.05, 1.0) as f32,
+        }
+    }
+
+    /// Where a branch of a bough ends: its height along the bough's reach is up, its way out level.
+    fn tip(&self, bough: &Bough, random: &mut Stream) -> [f64; 3] {
+        let (up, turn) = (random.range(-0.55, 1.0), random.range(0.0, TAU));
+        let level = (1.0 - up * up).sqrt() * random.range(0.3, 1.35) * bough.reach;
+        let y = bough.middle[1] + up * bough.reach * 0.66 * random.range(0.6, 1.3);
+        [bough.middle[0] + level * sin(turn), y.min(self.height), bough.middle[2] + level * sin(turn + 0.25 * TAU)]
+    }
+
+    /// Its trunk, from the foot up.
+    pub(super) fn trunk(&self) -> impl Iterator<Item = Stroke> {
+        const PIECES: u32 = 6;
         let tree = *self;
-        self.boughs(seed).enumerate().flat_map(move |(number, bough)| {
-            let mut random = Stream::new(seed, Purpose::Surroundings, tree.number, 200 + number as u64);
-            let own = random.range(0.86, 1.14);
-            (0..tree.form.counts().1).map(move |_| tree.clump(&bough, own, &mut random))
+        let at = move |piece: u32| f64::from(piece) / f64::from(PIECES) * tree.height * 0.96;
+        (0..PIECES).map(move |piece| {
+            let [low, high] = [at(piece), at(piece + 1)];
+            let ends = [low, high].map(|y| [tree.trunk_at(y), y]);
+            Stroke::new(ends, [tree.width_at(low), tree.width_at(high)], tree.depth)
         })
     }
 
-    fn clump(&self, bough: &Bough, own: f64, random: &mut Stream) -> Clump {
-        // Leaves are on a bough's upper and outer side.
-        let (up, turn) = (random.range(-0.55, 1.0), random.range(0.0, TAU));
-        let level = (1.0 - up * up).sqrt() * random.range(0.3, 1.35);
-        let squash = if self.form == Form::Spire { 0.30 } else { 0.66 };
-        let step = [level * sin(turn), up, level * sin(turn + 0.25 * TAU)];
-        let x = bough.middle[0] + step[0] * bough.reach;
-        let y = bough.middle[1] + step[1] * bough.reach * squash * random.range(0.6, 1.3);
-        let depth = bough.middle[2] + step[2] * bough.reach;
-        let crown = [(x - self.trunk_at(y)) / self.width, 1.3 * bough.up - 0.35];
-        let towards = ((depth - self.depth) / self.width).clamp(-1.0, 1.0);
-        // The crown's top is in the open, its inside and what hangs under a bough are not.
-        let light = (0.34 + 0.66 * pow(bough.up, 0.8)) * (0.74 + 0.26 * towards) * (0.70 + 0.30 * up);
-        Clump {
-            x,
-            y: y.min(self.height),
-            depth,
-            radius: self.clump_radius() * random.range(0.5, 1.25),
-            normal: [0.72 * crown[0] + 0.26 * step[0], 0.55 * crown[1] + 0.18 + 0.32 * step[1]],
-            kind: if self.form == Form::Spire { -1.0 } else { self.kind },
-            light: (light * own * self.open * random.range(0.78, 1.22)).clamp(0.06, 1.0),
-        }
+    /// Width of the trunk at a height, metres.
+    fn width_at(&self, y: f64) -> f64 {
+        (self.diameter() * pow((1.0 - y / self.height).max(0.0), 0.8)).max(0.02)
     }
 
-    fn clump_radius(&self) -> f64 {
-        match self.form {
-            Form::Spire => 0.14 + 0.011 * self.height,
-            Form::Bush => 0.16 + 0.13 * self.height,
-            _ => 0.26 + 0.021 * self.height,
-        }
-    }
-
-    /// Its trunk and boughs.
-    pub(super) fn wood(&self, seed: u64) -> Vec<Stroke> {
-        let tree = *self;
-        let (kind, light) = (self.kind, self.open);
-        let diameter = self.diameter();
+    /// Its boughs and what is on them, which show when it is bare; without twigs the branches are thicker by their
+    /// area.
+    pub(super) fn twigs(&self, seed: u64, has_twigs: bool) -> Vec<Stroke> {
         let mut strokes = Vec::new();
-        const PIECES: u32 = 6;
-        let at = |piece: u32| f64::from(piece) / f64::from(PIECES) * tree.height * 0.96;
-        let width = |y: f64| (diameter * pow((1.0 - y / tree.height).max(0.0), 0.8)).max(0.02);
-        for piece in 0..PIECES {
-            let (low, high) = (at(piece), at(piece + 1));
-            let [from, to] = [low, high].map(|y| [tree.trunk_at(y), y]);
-            strokes.push(Stroke { from, to, widths: [width(low), width(high)], depth: tree.depth, kind, light });
-        }
-        let limbs = self.boughs(seed).map(|bough| {
+        for (number, bough) in self.boughs(seed).enumerate() {
+            let mut random = Stream::new(seed, Purpose::Surroundings, self.number, 200 + number as u64);
+            let mut of_twigs = Stream::new(seed, Purpose::Surroundings, self.number, 400 + number as u64);
             let to = [bough.middle[0], bough.middle[1]];
-            let start = 0.45 * width(bough.foot[1]);
-            Stroke { from: bough.foot, to, widths: [start.max(0.05), 0.05], depth: bough.middle[2], kind, light }
-        });
-        strokes.extend(limbs);
+            let start = (0.45 * self.width_at(bough.foot[1])).max(0.05);
+            strokes.push(Stroke::new([bough.foot, to], [start, 0.05], bough.middle[2]));
+            for _ in 0..self.form.counts()[1] {
+                let (ends, depth) = self.branch(&bough, &mut random);
+                let bare = [0.05, 0.02];
+                let widths = if has_twigs { bare } else { bare.map(|width| width + self.twigs_area() / length(ends)) };
+                if has_twigs {
+                    strokes.extend((0..TWIGS).map(|_| Stroke::new(self.twig(ends, &mut of_twigs), TWIG, depth)));
+                }
+                strokes.push(Stroke::new(ends, widths, depth));
+            }
+        }
         strokes
     }
 
-    /// Its twigs, which show when it is bare.
-    pub(super) fn twigs(&self, seed: u64) -> impl Iterator<Item = Stroke> {
-        let tree = *self;
-        self.boughs(seed).enumerate().flat_map(move |(number, bough)| {
-            let mut random = Stream::new(seed, Purpose::Surroundings, tree.number, 200 + number as u64);
-            let own = random.range(0.86, 1.14);
-            let mut strokes = Vec::new();
-            for _ in 0..tree.form.counts().1 {
-                let end = tree.clump(&bough, own, &mut random);
-                tree.spray(&bough, &end, &mut random, &mut strokes);
-            }
-            strokes
-        })
+    /// A branch from a bough to its end, and its depth.
+    fn branch(&self, bough: &Bough, random: &mut Stream) -> ([[f64; 2]; 2], f64) {
+        let end = self.tip(bough, random);
+        let leaves_at = random.range(0.35, 1.0);
+        ([[0, 1].map(|k| between(bough.foot[k], bough.middle[k], leaves_at)), [end[0], end[1]]], end[2])
     }
 
-    /// A branch from a bough to where a clump of leaves would be, with the twigs on it.
-    fn spray(&self, bough: &Bough, end: &Clump, random: &mut Stream, strokes: &mut Vec<Stroke>) {
-        let leaves_at = random.range(0.35, 1.0);
-        let from = [0, 1].map(|k| between(bough.foot[k], bough.middle[k], leaves_at));
-        let (kind, light) = (self.kind, self.open);
-        let branch = Stroke { from, to: [end.x, end.y], widths: [0.05, 0.02], depth: end.depth, kind, light };
-        let way = [branch.to[0] - from[0], branch.to[1] - from[1]];
-        let long = (way[0] * way[0] + way[1] * way[1]).sqrt().max(0.3);
-        for _ in 0..2 {
-            let along = random.range(0.35, 1.0);
-            let foot = [0, 1].map(|k| between(from[k], branch.to[k], along));
-            let (length, aside) = (random.range(0.4, 1.2) * (0.3 + 0.05 * self.height), random.range(-0.6, 0.6));
-            // Twigs fork off their branch and turn up to the light.
-            let to = [
-                foot[0] + (way[0] - aside * way[1]) / long * length * 0.75,
-                foot[1] + (way[1] + aside * way[0]) / long * length * 0.75 + 0.35 * length,
-            ];
-            strokes.push(Stroke { from: foot, to, widths: [0.036, 0.014], ..branch });
-        }
-        strokes.push(branch);
+    /// A twig on a branch: it forks off and turns up to the light.
+    fn twig(&self, [from, to]: [[f64; 2]; 2], random: &mut Stream) -> [[f64; 2]; 2] {
+        let way = [0, 1].map(|k| (to[k] - from[k]) / length([from, to]));
+        let along = random.range(0.35, 1.0);
+        let foot = [0, 1].map(|k| between(from[k], to[k], along));
+        let (length, aside) =
+            (random.range(TWIG_LENGTHS[0], TWIG_LENGTHS[1]) * self.twig_scale(), random.range(-0.6, 0.6));
+        let end = [
+            foot[0] + (way[0] - aside * way[1]) * length * 0.75,
+            foot[1] + (way[1] + aside * way[0]) * length * 0.75 + 0.35 * length,
+        ];
+        [foot, end]
+    }
+
+    fn twig_scale(&self) -> f64 {
+        0.3 + 0.05 * self.height
+    }
+
+    /// Mean area of the twigs on a branch, square metres.
+    fn twigs_area(&self) -> f64 {
+        let length = 0.5 * (TWIG_LENGTHS[0] + TWIG_LENGTHS[1]) * self.twig_scale();
+        f64::from(TWIGS) * 0.5 * (TWIG[0] + TWIG[1]) * length
     }
 }
+
+/// Length of a line, metres, at least a little.
+fn length([from, to]: [[f64; 2]; 2]) -> f64 {
+    let way = [to[0] - from[0], to[1] - from[1]];
+    (way[0] * way[0] + way[1] * way[1]).sqrt().max(0.3)
+}
+
+/// Widths of a twig at its ends, metres, and its shortest and longest, of trees of a scale of 1 metre.
+const TWIG: [f64; 2] = [0.036, 0.014];
+const TWIG_LENGTHS: [f64; 2] = [0.4, 1.2];
+/// Twigs on a branch.
+const TWIGS: u32 = 2;
 
 fn between(a: f64, b: f64, t: f64) -> f64 {
     a + (b - a) * t
@@ -282,18 +364,32 @@ mod tests {
     fn crowns_keep_to_their_trees() {
         for (number, form) in FORMS.into_iter().enumerate() {
             let tree = Tree::new(1, number as u64, [50.0, 0.0], 12.0, form);
-            let reach = 2.0 * tree.width + tree.lean.abs();
-            let clumps: Vec<Clump> = tree.clumps(1).collect();
-            assert!(!clumps.is_empty());
-            for clump in clumps {
-                assert!(clump.y <= tree.height && clump.y > -tree.width, "{form:?} {clump:?}");
-                assert!((clump.x - tree.x).abs() < reach && (0.0..=1.0).contains(&clump.light), "{form:?} {clump:?}");
-                assert_eq!(clump.kind < 0.0, form == Form::Spire);
+            let reach = (2.0 * tree.width + tree.lean.abs()) as f32;
+            let lobes = tree.lobes(1);
+            assert!(!lobes.is_empty());
+            for lobe in lobes {
+                let [x, y, _] = lobe.middle;
+                assert!(y <= tree.height as f32 && y > -tree.width as f32, "{form:?} {lobe:?}");
+                assert!((x - 50.0).abs() < reach && (0.0..=1.0).contains(&lobe.light), "{form:?} {lobe:?}");
+                assert_eq!(lobe.kind < 0.0, form == Form::Spire);
             }
-            let wood = tree.wood(1);
-            let base = wood.iter().find(|stroke| stroke.from[1] == 0.0).expect("a trunk's foot");
-            assert!((base.widths[0] - tree.diameter()).abs() < 1e-9 && base.widths[1] <= base.widths[0]);
+            let base = tree.trunk().next().expect("a trunk's foot");
+            assert!((base.widths[0] - tree.diameter() as f32).abs() < 1e-6 && base.widths[1] <= base.widths[0]);
         }
+    }
+
+    #[test]
+    fn branches_without_their_twigs_have_the_same_area() {
+        let tree = Tree::new(1, 3, [50.0, 0.0], 12.0, Form::Broad);
+        let area = |has_twigs: bool| -> f32 {
+            let of = |stroke: &Stroke| {
+                let length = libm::hypotf(stroke.to[0] - stroke.from[0], stroke.to[1] - stroke.from[1]);
+                length * 0.5 * (stroke.widths[0] + stroke.widths[1])
+            };
+            tree.twigs(1, has_twigs).iter().map(of).sum()
+        };
+        // Twigs that turn aside are a little longer or shorter than they are wide for.
+        assert!((area(false) / area(true) - 1.0).abs() < 0.12, "{} {}", area(false), area(true));
     }
 
     #[test]

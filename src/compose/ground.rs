@@ -1,6 +1,7 @@
 //! The texture of a meadow, blades of grass drawn over soil, or of bare soil; wrapping at the rim so that it tiles.
 
 use super::falls;
+use super::flowers;
 use super::sward;
 use super::{Garment, Stand, Stock};
 use crate::base::encoding::SrgbEncoder;
@@ -42,29 +43,32 @@ fn bareness(worn: &[Option<Garment>]) -> f32 {
     1.0 - hanging as f32 / worn.len().max(1) as f32
 }
 
-/// Whether the trees are bare: a few leaves that hang on make no foliage.
-fn is_bare(worn: &[Option<Garment>]) -> bool {
-    bareness(worn) >= 0.9
-}
-
-/// How far grass has gone into its winter rest: it bleaches as the trees drop their leaves (judged).
-fn dormancy(worn: &[Option<Garment>]) -> f32 {
-    smooth_step(0.25, 1.0, bareness(worn))
-}
+/// The states in which leaves are green.
+pub(super) const GREEN: [&str; 3] = ["flush", "green", "late-green"];
 
 impl Stock {
-    /// The ground as it looks while the trees wear this.
-    pub(super) fn ground_in_season(&self, worn: &[Option<Garment>]) -> Option<Ground> {
-        let ground = self.ground.clone()?;
-        let wood = ground.wood.map(|wood| Wood { is_bare: is_bare(worn), ..wood });
-        Some(Ground { wood, dormant: dormancy(worn), ..ground })
+    /// How far grass has gone into its winter rest: it dulls as the trees turn and bleaches as they drop their leaves (judged).
+    fn dormancy(&self, worn: &[Option<Garment>]) -> f32 {
+        let is_green = |garment: &&Garment| self.green.get(usize::from(garment.state)).is_some_and(|green| *green);
+        let green = worn.iter().flatten().filter(is_green).count() as f32 / worn.len().max(1) as f32;
+        0.32 * smooth_step(0.1, 1.0, 1.0 - green) + 0.68 * smooth_step(0.25, 1.0, bareness(worn))
     }
 
-    /// The textures, those of the wood on the horizon as the season has it.
-    pub(super) fn textures_in_season(&self, worn: &[Option<Garment>]) -> Vec<Arc<Texture>> {
+    /// The ground as it looks while the trees wear this.
+    pub(super) fn ground_in_season(&self, worn: &[Option<Garment>]) -> Option<Ground> {
+        let mut ground = self.ground.clone()?;
+        ground.dormant = self.dormancy(worn);
+        ground.wood = ground.wood.map(|wood| Wood { bareness: bareness(worn), ..wood });
+        let (flowers, dormant) = (&self.flowers, ground.dormant);
+        ground.cover.retain(|one| !flowers.contains(&one.model) || flowers::stand(&one.transform, dormant));
+        Some(ground)
+    }
+
+    /// The textures, those of the wood on the horizon among them.
+    pub(super) fn textures_with_wood(&self) -> Vec<Arc<Texture>> {
         let mut textures = self.textures.clone();
         if let Some(edge) = &self.wood_edge {
-            edge.put(is_bare(worn), &mut textures);
+            edge.put(&mut textures);
         }
         textures
     }
@@ -73,7 +77,7 @@ impl Stock {
     pub(super) fn materials_in_season(&self, worn: &[Option<Garment>]) -> Vec<Material> {
         let mut materials = self.materials.clone();
         for grass in materials.iter_mut().filter(|material| material.name == sward::NAME) {
-            grass.colour = sward::tint(dormancy(worn));
+            grass.colour = sward::tint(self.dormancy(worn));
         }
         materials
     }

@@ -11,6 +11,8 @@ pub mod contact_sheet;
 mod daylight;
 mod distant_tree;
 mod falls;
+mod flowers;
+mod foliage_relief;
 mod ground;
 mod hosek_wilkie;
 mod inset;
@@ -26,6 +28,7 @@ mod sward;
 mod texture_size;
 mod view;
 mod white_balance;
+mod wood_canvas;
 mod wood_edge;
 
 pub use falls::{Dropped, Fall, Falls, Look, Ways};
@@ -108,6 +111,10 @@ pub struct Stock {
     ground: Option<crate::frame::Ground>,
     /// The wood on the horizon.
     wood_edge: Option<wood_edge::Edge>,
+    /// Numbers of the models of flowers.
+    flowers: BTreeSet<u32>,
+    /// Whether leaves of each state are green.
+    green: Vec<bool>,
     /// Number of the texture of clouds.
     clouds: Option<u32>,
     /// Reliefs that textures were made of, and their numbers.
@@ -119,7 +126,8 @@ impl Stock {
     #[must_use]
     pub fn new(scene: &Scene, stand: &Stand, wardrobe: &Wardrobe) -> Self {
         let tags = tags(&scene.species);
-        let mut stock = Self::default();
+        let green = wardrobe.states.iter().map(|state| ground::GREEN.contains(&state.as_str())).collect();
+        let mut stock = Self { green, ..Self::default() };
         stock.add_wood(scene, stand, &tags);
         for (number, tag) in tags.iter().enumerate() {
             stock.add_leaves(scene, stand, (number, tag), wardrobe);
@@ -187,7 +195,8 @@ impl Stock {
         if is_open && scene.ground.wood {
             let slots = ["wood_form", "wood_crowns"].map(|name| self.push_texture(wood_edge::placeholder(name)));
             ground.wood = Some(wood_edge::wood(slots[0], slots[1]));
-            self.wood_edge = Some(wood_edge::Edge::new(scene.seed, slots));
+            let pixel = view::field_of_view(scene) / f64::from(scene.image.height);
+            self.wood_edge = Some(wood_edge::Edge::new(scene.seed, slots, pixel));
         }
         self.ground = Some(ground);
     }
@@ -197,11 +206,7 @@ impl Stock {
         let palette = self.push_texture(sward::palette());
         let material =
             self.push_material(Material { reflected: Some(palette), ..Material::matte(sward::NAME, [1.0; 3]) });
-        let mut model = |name: &str, mesh: Mesh| {
-            let part = Part { material, mesh: self.push_mesh(Arc::new(mesh)) };
-            self.models.push(Model { name: name.to_owned(), parts: vec![part] });
-            self.models.len() as u32 - 1
-        };
+        let mut model = |name: &str, mesh: Mesh| self.push_model(name, mesh, material);
         let (foot, meadow) = (model("sward", sward::mesh(scene.seed)), model("meadow", sward::meadow(scene.seed)));
         let ring = model("sward_ring", sward::ring(scene.seed));
         let camera = turned(scene, 0, view::camera(scene, stand));
@@ -216,8 +221,29 @@ impl Stock {
         let before = sward::meadow_places(eye.into(), view::axis(&camera).into(), half);
         let about = sward::ring_places(&ground::feet(stand)).into_iter();
         let about = about.map(|transform| Instance { model: ring, transform, leaf: None });
+        let flowers = self.add_flowers(scene.seed, &before);
         let before = before.into_iter().map(|transform| Instance { model: meadow, transform, leaf: None });
-        at_feet.chain(about).chain(before).collect()
+        at_feet.chain(about).chain(before).chain(flowers).collect()
+    }
+
+    /// Flowers on some of the meadow's patches.
+    fn add_flowers(&mut self, seed: u64, patches: &[Affine]) -> Vec<Instance> {
+        let mut cover = Vec::new();
+        for (number, kind) in (0..).zip(&flowers::KINDS) {
+            let material = self.push_material(Material::matte(kind.name, kind.colour));
+            let model = self.push_model(kind.name, flowers::mesh(seed, number), material);
+            self.flowers.insert(model);
+            let places = flowers::places(seed, number, patches).into_iter();
+            cover.extend(places.map(|transform| Instance { model, transform, leaf: None }));
+        }
+        cover
+    }
+
+    /// A model of one mesh in one material.
+    fn push_model(&mut self, name: &str, mesh: Mesh, material: u32) -> u32 {
+        let part = Part { material, mesh: self.push_mesh(Arc::new(mesh)) };
+        self.models.push(Model { name: name.to_owned(), parts: vec![part] });
+        self.models.len() as u32 - 1
     }
 
     /// The models that leaves of a species wear.
@@ -385,7 +411,7 @@ impl Stock {
         }
         Frame {
             meshes: self.meshes.clone(),
-            textures: self.textures_in_season(worn),
+            textures: self.textures_with_wood(),
             materials: self.materials_in_season(worn),
             models: self.models.clone(),
             instances,

@@ -83,7 +83,7 @@ pub(super) fn places(trees: &[[f64; 2]]) -> Vec<Affine> {
 pub(super) const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
 /// Side of a patch of meadow, metres, tufts on it and blades in a tuft: what shows above the sward as a whole.
-const PATCH: f64 = 2.5;
+pub(super) const PATCH: f64 = 2.5;
 const TUFTS: u64 = 90;
 const BLADES: u64 = 14;
 /// How far from the eye patches of meadow are laid, metres; beyond, a blade is thinner than a third of a pixel.

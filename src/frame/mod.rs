@@ -179,10 +179,10 @@ pub enum Background {
 /// 0..255 as in reliefs; rows from the tops to the ground; repeats along the edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wood {
-    /// Number of the texture of coverage (0..1) and of the normal's parts to the right and up.
+    /// Number of the texture of what leaves cover in summer (0..1) and of their normal's parts to the right and up.
     pub form: u32,
-    /// Number of the texture of the tree's kind (0..1, -1 for what stays green), of the share of light that comes in (0..1), and
-    /// of how thin the foliage is (0..1, -1 for wood).
+    /// Number of the texture of the tree's kind (0..1 from the last to turn and shed to the first, -1 for what stays green), of
+    /// the share of light that comes to its leaves (0..1), and of what wood covers behind them (0..1).
     pub crowns: u32,
     /// Distance of the edge, metres.
     pub distance: f32,
@@ -190,8 +190,8 @@ pub struct Wood {
     pub height: f32,
     /// How often they repeat around the whole horizon.
     pub repeats: u32,
-    /// Whether its trees are bare: what covers is then a share of a pixel, and what shows is mostly wood.
-    pub is_bare: bool,
+    /// Share of the leaves that have fallen or are not out yet, 0..1.
+    pub bareness: f32,
 }
 
 /// The level ground at height 0, drawn to the horizon. Not part of an exported asset.

@@ -3,7 +3,7 @@
 
 use super::Prepared;
 use super::texture::MipMap;
-use crate::base::maths::{atan2f, mix, smooth_step};
+use crate::base::maths::{acosf, atan2f, expf, mix, smooth_step};
 use crate::base::noise::Lattice;
 use crate::base::vector::{Vec2, Vec3};
 use crate::frame::{Frame, Material, Wood};
@@ -11,39 +11,52 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 
 /// Share of the sky's light that reaches the deepest shade between crowns (judged).
-const DEEP: f32 = 0.30;
+const DEEP: f32 = 0.28;
+/// How far around its rim sunlight creeps over a crown, whose leaves lie all ways (judged).
+const AROUND: f32 = 0.15;
+/// Share of single scattering that leaves a crown again from between its leaves, with what is scattered more than once (judged).
+const OUT: f32 = 1.75;
+/// Light that comes to bare wood, and how much of it leaves take.
+const WOOD_LIGHT: [f32; 2] = [0.74, 0.45];
 
 /// How much farther a second wood stands behind the first, on rising ground.
 const FAR: f32 = 3.4;
 /// Height of the hills that it stands on, metres.
 const HILLS: f32 = 34.0;
-/// Share of a leaf's reflectance that a crown has: light is caught between its leaves (judged; canopies reflect 0.03 to 0.06
-/// of green light where leaves reflect 0.1).
-const CAUGHT: f32 = 1.0;
 /// How much of a distant crown's colour is that of all leaves of the frame, the rest that of one state.
-const SHARED: f32 = 0.55;
-/// Heights that the meadow's tall grass hides of the wood's foot, metres, and how often they come around the horizon: the rise
-/// and fall of the ground, thickets of herbs, single ones.
-const HEM: [(f32, u32); 3] = [(0.75, 71), (0.45, 467), (0.40, 2600)];
+const SHARED: f32 = 0.40;
+/// Share of the leaves of all trees, in the order in which they turn, over which the colour of one tree is taken to either side.
+const TURNING: f32 = 0.10;
+/// Share of the fall of all leaves during which a tree sheds its own.
+const SHEDDING: f32 = 0.45;
+/// Heights by which the meadow rises before the wood's foot, metres, and how often they come around the horizon: the rise
+/// and fall of the ground, thickets of tall grass and herbs, single ones.
+const HEM: [(f32, u32); 5] = [(2.2, 29), (1.2, 83), (0.5, 467), (0.40, 1300), (0.35, 3900)];
+/// How far the meadow lies lower at the wood's foot, metres.
+const SUNKEN: f32 = 0.9;
 /// Height over which the meadow's grass gives way to what stands behind, metres.
-const FEATHER: f32 = 0.16;
+const FEATHER: f32 = 0.10;
 /// Nodes around the horizon between which the trees' heights and kinds vary, so that no repeat looks like the last.
 const VARIED: u32 = 89;
 /// Least height of trees over that of the texture.
 const LOWEST: f32 = 0.74;
-/// Reflectances of bare crowns (linear, judged).
-const BARE: [[f32; 3]; 2] = [[0.092, 0.081, 0.075], [0.135, 0.110, 0.090]];
-/// Reflectance of conifers' crowns, and of bark (linear, judged).
-const EVERGREEN: [f32; 3] = [0.064, 0.078, 0.035];
-const BARK: [f32; 3] = [0.115, 0.102, 0.090];
+/// Reflectances of wood, of the trees that turn last and first (linear, judged).
+const BARE: [[f32; 3]; 2] = [[0.104, 0.086, 0.074], [0.142, 0.112, 0.086]];
+/// Reflectance of conifers' crowns (linear, judged).
+const EVERGREEN: [f32; 3] = [0.062, 0.082, 0.030];
 /// Tints of the kinds of trees, on the frame's own foliage.
-const TINTS: [[f32; 3]; 3] = [[0.82, 0.90, 0.84], [1.04, 1.00, 0.92], [1.30, 1.16, 0.86]];
+const TINTS: [[f32; 3]; 3] = [[0.90, 0.93, 0.80], [1.08, 1.03, 0.82], [1.26, 1.12, 0.78]];
+/// Steps between the kinds whose colours are kept.
+const STEPS: usize = 64;
 
-/// Reflectance and transmittance of the crowns of a season.
+/// Reflectance and transmittance.
+type Optics = ([f32; 3], [f32; 3]);
+
+/// Reflectance and transmittance of the crowns of a season, and how many of the leaves have fallen.
 #[derive(Default)]
 pub(super) struct Palette {
-    /// Colours with the share of the crowns that have less of a kind; ascending, the last is 1.
-    kinds: Vec<(f32, [f32; 3], [f32; 3])>,
+    /// By the kind of tree, evenly from 0 to 1.
+    kinds: Vec<Optics>,
 }
 
 impl Palette {
@@ -59,47 +72,87 @@ impl Palette {
                 by_material[part.material as usize] += count;
             }
         }
-        let total: u64 = by_material.iter().sum();
-        let mean = mean_of(frame, textures, &by_material);
-        let mut kinds = Vec::new();
-        let mut below = 0;
-        for (material, count) in frame.materials.iter().zip(&by_material).filter(|(_, count)| **count > 0) {
-            below += count;
-            let (reflected, transmitted) = optics(material, textures);
+        let worn = frame.materials.iter().zip(&by_material).filter(|(_, count)| **count > 0);
+        let leaves: Vec<(u64, Optics)> = worn.map(|(material, &count)| (count, optics(material, textures))).collect();
+        Self::of_leaves(&leaves, mean_of(frame, textures, &by_material))
+    }
+
+    /// The colours of trees among which leaves of these numbers are spread, in the order in which trees turn.
+    fn of_leaves(leaves: &[(u64, Optics)], mean: Optics) -> Self {
+        let total = leaves.iter().map(|(count, _)| count).sum::<u64>().max(1) as f32;
+        let mut below = 0.0;
+        let mut ranges = Vec::with_capacity(leaves.len());
+        for &(count, own) in leaves {
+            let share = count as f32 / total;
+            ranges.push((below, below + share, own));
+            below += share;
+        }
+        let kinds = (0..=STEPS).map(|step| {
+            let kind = step as f32 / STEPS as f32;
             // A tree wears leaves of many states at once.
-            let shared = |own: [f32; 3], of_all: [f32; 3]| std::array::from_fn(|k| mix(own[k], of_all[k], SHARED));
-            kinds.push((below as f32 / total as f32, shared(reflected, mean.0), shared(transmitted, mean.1)));
-        }
-        let is_bare = frame.ground.as_ref().and_then(|ground| ground.wood).is_some_and(|wood| wood.is_bare);
-        if is_bare || kinds.is_empty() {
-            kinds = vec![(0.5, BARE[0], [0.0; 3]), (1.0, BARE[1], [0.0; 3])];
-        }
-        Self { kinds }
+            let own = mean_between(&ranges, kind - TURNING, kind + TURNING);
+            let tint = tint(kind);
+            let tinted = |own: [f32; 3], all: [f32; 3]| std::array::from_fn(|k| mix(own[k], all[k], SHARED) * tint[k]);
+            (tinted(own.0, mean.0), tinted(own.1, mean.1))
+        });
+        Self { kinds: if leaves.is_empty() { Vec::new() } else { kinds.collect() } }
     }
 
-    /// Reflectance and transmittance of what a texel shows: leaves of a kind (0..1), what stays green (-1), wood (thin -1).
-    fn seen(&self, kind: f32, thin: f32) -> ([f32; 3], [f32; 3]) {
-        let (mut reflected, mut transmitted) = self.at(kind.clamp(0.0, 1.0));
-        let (evergreen, wood) = ((-1.5 * kind).clamp(0.0, 1.0), (-thin).clamp(0.0, 1.0));
+    /// Reflectance and transmittance of leaves of a kind, 0..1, and of what stays green, -1.
+    fn leaves(&self, kind: f32) -> Optics {
+        let place = kind.clamp(0.0, 1.0) * STEPS as f32;
+        let first = (place as usize).min(STEPS - 1);
+        let evergreen = smooth_step(0.15, 0.45, -kind);
+        let [Some(low), Some(high)] = [first, first + 1].map(|step| self.kinds.get(step)) else {
+            return (EVERGREEN, [0.0; 3]);
+        };
+        let part = place - first as f32;
+        let reflected = std::array::from_fn(|k| mix(mix(low.0[k], high.0[k], part), EVERGREEN[k], evergreen));
+        (reflected, std::array::from_fn(|k| mix(low.1[k], high.1[k], part) * (1.0 - evergreen)))
+    }
+}
+
+/// The mean of what ranges of 0..1 have, over the part of an interval that lies in them.
+fn mean_between(ranges: &[(f32, f32, Optics)], low: f32, high: f32) -> Optics {
+    let mut sums = ([0.0; 3], [0.0; 3]);
+    let whole = (high.min(1.0) - low.max(0.0)).max(1e-6);
+    for (from, to, own) in ranges {
+        let share = (to.min(high) - from.max(low)).max(0.0) / whole;
         for k in 0..3 {
-            // Of bare crowns the kind tells the colour of the twigs.
-            let bark = mix(BARK[k], reflected[k], if self.kinds[0].1 == BARE[0] { 0.7 } else { 0.0 });
-            reflected[k] = mix(mix(reflected[k], EVERGREEN[k], evergreen), bark, wood);
-            transmitted[k] *= (1.0 - evergreen) * (1.0 - wood);
+            sums.0[k] += own.0[k] * share;
+            sums.1[k] += own.1[k] * share;
         }
-        (reflected, transmitted)
     }
+    sums
+}
 
-    /// Reflectance and transmittance of a kind of tree, 0..1.
-    fn at(&self, kind: f32) -> ([f32; 3], [f32; 3]) {
-        let found = self.kinds.iter().find(|(below, ..)| kind <= *below).or(self.kinds.last());
-        let (_, reflected, transmitted) = found.copied().unwrap_or_default();
-        let place = (kind * 7.31).fract() * (TINTS.len() - 1) as f32;
-        let first = (place as usize).min(TINTS.len() - 2);
-        let tint: [f32; 3] = std::array::from_fn(|k| mix(TINTS[first][k], TINTS[first + 1][k], place - first as f32));
-        let tinted = |colour: [f32; 3]| std::array::from_fn(|k| colour[k] * tint[k] * CAUGHT);
-        (tinted(reflected), tinted(transmitted))
-    }
+/// Factor on the colours of a kind of tree.
+fn tint(kind: f32) -> [f32; 3] {
+    let place = folded(kind * 7.31) * (TINTS.len() - 1) as f32;
+    let first = (place as usize).min(TINTS.len() - 2);
+    std::array::from_fn(|k| mix(TINTS[first][k], TINTS[first + 1][k], place - first as f32))
+}
+
+/// Share of its leaves that a tree of a kind still has when this share of all leaves has fallen: those that turn first shed
+/// first; what stays green (-1) sheds none.
+fn hanging(kind: f32, bareness: f32) -> f32 {
+    let begins = (1.0 - kind.max(0.0)) * (1.0 - SHEDDING);
+    let shed = ((bareness - begins) / SHEDDING).clamp(0.0, 1.0);
+    1.0 - shed * (1.0 - smooth_step(0.15, 0.45, -kind))
+}
+
+/// Share of a place's leaves that is seen when a tree has a share of its own; `order` tells the places that are bare last (0)
+/// from the first (1). What is seen goes slower than the leaves, which hide one another: by Beer's law in a crown of four layers
+/// of leaves.
+fn left(hanging: f32, order: f32) -> f32 {
+    const LAYERS: f32 = 2.0;
+    let seen = (1.0 - expf(-LAYERS * hanging)) / (1.0 - expf(-LAYERS));
+    smooth_step(order - 0.40, order + 0.40, mix(-0.41, 1.41, seen))
+}
+
+/// Where a place is in the order in which a crown grows bare, 0..1: tuft by tuft, told from how it is turned and lit.
+fn order([right, up]: [f32; 2], light: f32) -> f32 {
+    folded((2.6 * right + 1.9 * up + 3.0 * light).abs())
 }
 
 /// Reflectance and transmittance of all leaves, by how many wear each material.
@@ -139,21 +192,36 @@ impl Prepared<'_> {
     pub(super) fn before_wood(&self, wood: &Wood, direction: Vec3, behind: [f32; 3]) -> [f32; 3] {
         let level = (direction.x * direction.x + direction.z * direction.z).sqrt().max(1e-6);
         let slope = direction.y / level;
-        if slope * wood.distance + self.projection.eye.y > wood.height {
+        let height = slope * wood.distance + self.projection.eye.y;
+        if height > wood.height {
             return behind;
         }
         let around = atan2f(-direction.x, -direction.z) / (2.0 * PI) + 0.5;
         let look = Look { direction, around, slope, pixel: 1.0 / self.projection.pixels_per_metre };
-        let near = self.row(wood, &look, [wood.distance, 1.0, 0.0]);
+        let free = above_hem(around, height, look.pixel * wood.distance);
+        let trees = if free > 0.0 { self.trees(wood, &look, behind) } else { behind };
+        if free >= 1.0 {
+            return trees;
+        }
+        // Below the eye's level the meadow goes on as it is; what rises over it is tall grass.
+        let tall = smooth_step(-0.2, 1.0, slope * wood.distance + 0.8);
+        let patch = Lattice::periodic(61, [700, 0]).value(around * 700.0, 1.3 * height);
+        let meadow = if tall > 0.0 { self.far_meadow(direction, wood.distance, patch) } else { behind };
+        std::array::from_fn(|k| mix(mix(behind[k], meadow[k], tall), trees[k], free))
+    }
+
+    /// The two rows of trees over what lies beyond.
+    fn trees(&self, wood: &Wood, look: &Look, behind: [f32; 3]) -> [f32; 3] {
+        let near = self.row(wood, look, [wood.distance, 1.0, 0.0]);
         if near.0 >= 0.999 {
             return near.1;
         }
-        let rise = |nodes: u32| Lattice::periodic(11, [nodes, 0]).value(around * nodes as f32, 0.5);
-        let hills = (0.8 * rise(17) + 0.2 * rise(61)) * HILLS;
-        if slope <= 0.0 {
+        if look.slope <= 0.0 {
             return std::array::from_fn(|k| mix(behind[k], near.1[k], near.0));
         }
-        let far = self.row(wood, &look, [wood.distance * FAR, 3.0, hills]);
+        let rise = |nodes: u32| Lattice::periodic(11, [nodes, 0]).value(look.around * nodes as f32, 0.5);
+        let hills = (0.8 * rise(17) + 0.2 * rise(61)) * HILLS;
+        let far = self.row(wood, look, [wood.distance * FAR, 3.0, hills]);
         let beyond: [f32; 3] = std::array::from_fn(|k| mix(behind[k], far.1[k], far.0));
         std::array::from_fn(|k| mix(beyond[k], near.1[k], near.0))
     }
@@ -166,14 +234,13 @@ impl Prepared<'_> {
         if height > wood.height || (height < 0.0 && !is_far) {
             return (0.0, [0.0; 3]);
         }
-        let free = if is_far { 1.0 } else { self.above_hem(look.around, height, blur) };
         let varied = Lattice::periodic(41, [VARIED, 0]).value(look.around * VARIED as f32, 0.5);
         let height = height / mix(LOWEST, 1.0, varied);
         // On rising ground there are crowns below crowns: bands of them, each beside the last.
         let closed = if is_far { closed(look.around) } else { 0.0 };
         let band = (closed - height / wood.height).max(0.0) * 5.0;
         let height = if is_far { height.max(wood.height * (closed - 0.2 * band.fract())) } else { height };
-        if height > wood.height || height < 0.0 || free <= 0.0 {
+        if height > wood.height || height < 0.0 {
             return (0.0, [0.0; 3]);
         }
         // The textures repeat up as well: their rims are kept out of sight.
@@ -182,61 +249,90 @@ impl Prepared<'_> {
         // The texture's own width to height, since a footprint is one number for both.
         let wide = look.pixel / (2.0 * PI) * wood.repeats as f32 * times;
         let footprint = (blur / wood.height * wide).sqrt();
-        let [covered, right, up] = self.textures[wood.form as usize].sample(uv, footprint);
-        // Leaves close a pixel that they mostly cover; twigs do not.
-        let crowns = if wood.is_bare { covered.clamp(0.0, 1.0) } else { smooth_step(0.12, 0.88, covered) };
-        let covered = free * crowns.max(smooth_step(0.0, 0.2, band));
+        let [leaves, right, up] = self.textures[wood.form as usize].sample(uv, footprint);
+        let [kind, light, bare] = self.textures[wood.crowns as usize].sample(uv, footprint);
+        let light = light.clamp(0.0, 1.0);
+        let kind = if kind > 0.0 { folded(kind + 0.9 * varied) } else { kind };
+        let closed = smooth_step(0.0, 0.2, band);
+        let hanging = hanging(kind, wood.bareness);
+        let leaves = smooth_step(0.06, 0.94, leaves) * left(hanging, order([right, up], light));
+        let leaves = leaves.max(closed * hanging);
+        let bare = bare.max(closed * smooth_step(0.0, 0.4, wood.bareness));
+        // Twigs end among their leaves; trunks show between crowns.
+        let bare = mix(smooth_step(0.55, 0.95, bare), bare, smooth_step(0.0, 0.6, 1.0 - hanging));
+        let covered = leaves + bare.max(0.0) * (1.0 - leaves);
         if covered <= 0.002 {
             return (0.0, [0.0; 3]);
         }
-        let [kind, light, thin] = self.textures[wood.crowns as usize].sample(uv, footprint);
-        let kind = if kind > 0.0 { folded(kind + 0.9 * varied) } else { kind };
-        let lit = self.lit_crown(look, [right, up], [kind, light, thin]);
+        let crown = if leaves > 0.0 { self.lit_crown(look, [right, up], kind, light) } else { [0.0; 3] };
+        let stems = if leaves < 0.99 { self.lit_wood(look, kind, wood.bareness) } else { [0.0; 3] };
+        let lit = std::array::from_fn(|k| mix(stems[k], crown[k], leaves / covered));
         (covered, self.atmosphere.hazed(lit, look.direction * distance))
     }
 
-    /// How much of the wood shows over the tall grass and the rises before it, at a height in metres.
-    fn above_hem(&self, around: f32, height: f32, blur: f32) -> f32 {
-        // What is higher than the eye stands before the sky.
-        let highest = 0.8 * self.projection.eye.y;
-        if height > highest + FEATHER + blur {
-            return 1.0;
-        }
-        let part = |(number, (tall, nodes)): (usize, (f32, u32))| {
-            tall * Lattice::periodic(31 + number as u64, [nodes, 0]).value(around * nodes as f32, 0.5)
-        };
-        let hem = HEM.into_iter().enumerate().map(part).sum::<f32>().min(highest);
-        smooth_step(hem - FEATHER - blur, hem + FEATHER + blur, height)
-    }
-
-    /// Radiance of a crown's piece with the parts of its normal to the right and up.
-    fn lit_crown(&self, look: &Look, [right, up]: [f32; 2], [kind, light, thin]: [f32; 3]) -> [f32; 3] {
-        let (reflected, transmitted) = self.atmosphere.wood.seen(kind, thin);
-        let (light, thin) = (light.clamp(0.0, 1.0), thin.max(0.0));
-        let towards = Vec3::new(-look.direction.x, 0.0, -look.direction.z).normalize();
-        let aside = Vec3::y().cross(&towards);
-        let facing = (1.0 - right * right - up * up).max(0.05).sqrt();
-        let normal = (aside * right + Vec3::y() * up + towards * facing).normalize();
-        let cosine = normal.dot(&self.frame.sun.direction);
-        // Leaves lie all ways under a crown's surface, so the light goes around it a little; from behind it comes through.
-        let front = (0.75 * cosine + 0.25).max(0.0) * light;
-        let through = 0.3 * (0.5 - 0.5 * cosine) * thin * light;
-        let sun = self.frame.sun.irradiance.map(|e| e * self.atmosphere.sun_share());
+    /// Radiance of a crown's piece with the parts of its normal to the right and up: single scattering in a deep layer of leaves
+    /// that lie all ways, 2 mu0 / (mu0 + mu) times their phase function (Ross 1981).
+    fn lit_crown(&self, look: &Look, [right, up]: [f32; 2], kind: f32, light: f32) -> [f32; 3] {
+        let (reflected, transmitted) = self.atmosphere.wood.leaves(kind);
+        let towards = look.towards();
+        let facing = (1.0 - right * right - up * up).max(0.06).sqrt();
+        let normal = (Vec3::y().cross(&towards) * right + Vec3::y() * up + towards * facing).normalize();
+        let in_cosine = ((1.0 - AROUND) * normal.dot(&self.frame.sun.direction) + AROUND).max(0.0);
+        let out_cosine = normal.dot(&towards).max(0.15);
+        let cosine = -self.frame.sun.direction.dot(&look.direction).clamp(-1.0, 1.0);
+        let (sine, angle) = ((1.0 - cosine * cosine).sqrt(), PI - acosf(cosine));
+        let [sent_back, let_through] = [sine + angle * cosine, sine - (PI - angle) * cosine];
+        let met = OUT * 2.0 * in_cosine / (in_cosine + out_cosine) / PI * light;
+        let sun = self.frame.sun.irradiance.map(|e| e * self.atmosphere.sun_share() * met);
         let ambient = self.atmosphere.open.irradiance(normal);
         // What is dark is lit by leaves: sky light that has come through and off others, in their colour.
         let inside = DEEP * (1.0 - light);
         std::array::from_fn(|k| {
-            let sent_on = reflected[k] + transmitted[k];
-            let of_sky = reflected[k] * ambient[k] * light + sent_on * ambient[k] * inside;
-            (reflected[k] * sun[k] * front + transmitted[k] * sun[k] * through + of_sky) / PI
+            let of_sun = (reflected[k] * sent_back + transmitted[k] * let_through) * sun[k];
+            let of_sky = (0.8 * reflected[k] + 0.35 * transmitted[k]) * ambient[k] * light * (0.3 + 0.7 * light);
+            (of_sun + of_sky + (reflected[k] + transmitted[k]) * ambient[k] * inside) / PI
         })
     }
+
+    /// Radiance of stems and twigs, which stand upright and are round.
+    fn lit_wood(&self, look: &Look, kind: f32, bareness: f32) -> [f32; 3] {
+        let normal = (look.towards() + Vec3::y() * 0.1).normalize();
+        let cosine = normal.dot(&self.frame.sun.direction);
+        let light = WOOD_LIGHT[0] * (1.0 - WOOD_LIGHT[1] * (1.0 - bareness));
+        let front = (0.75 * cosine + 0.25).max(0.0) * self.atmosphere.sun_share();
+        let ambient = self.atmosphere.open.irradiance(normal);
+        let share = (kind * 3.7).abs().fract();
+        std::array::from_fn(|k| {
+            let bark = mix(BARE[0][k], BARE[1][k], share);
+            bark * light * (self.frame.sun.irradiance[k] * front + ambient[k]) / PI
+        })
+    }
+}
+
+impl Look {
+    /// The level direction from the wood to the eye.
+    fn towards(&self) -> Vec3 {
+        Vec3::new(-self.direction.x, 0.0, -self.direction.z).normalize()
+    }
+}
+
+/// How much of the wood shows over the tall grass and the rises before it, at a height in metres.
+fn above_hem(around: f32, height: f32, blur: f32) -> f32 {
+    let highest = HEM.iter().map(|(tall, _)| tall).sum::<f32>() - SUNKEN;
+    if height > highest + FEATHER + blur {
+        return 1.0;
+    }
+    let part = |(number, (tall, nodes)): (usize, (f32, u32))| {
+        tall * Lattice::periodic(31 + number as u64, [nodes, 0]).value(around * nodes as f32, 0.5)
+    };
+    let hem = HEM.into_iter().enumerate().map(part).sum::<f32>() - SUNKEN;
+    smooth_step(hem - FEATHER - blur, hem + FEATHER + blur, height)
 }
 
 /// Share of the wood's height up to which crowns close a slope: an outline of crowns a few metres wide.
 fn closed(around: f32) -> f32 {
     let part = |nodes: u32| Lattice::periodic(51, [nodes, 0]).value(around * nodes as f32, 0.5);
-    0.22 + 0.16 * part(310) + 0.14 * part(1130)
+    0.08 + 0.30 * part(310) + 0.18 * part(1130)
 }
 
 /// A number folded into 0..1 as a strip of paper is.
@@ -257,12 +353,66 @@ mod tests {
         assert!((folded[150] - 0.5).abs() < 1e-5 && (folded[30] - 0.3).abs() < 1e-5);
     }
 
+    const GREEN: Optics = ([0.05, 0.10, 0.03], [0.04, 0.12, 0.02]);
+    const RED: Optics = ([0.20, 0.04, 0.02], [0.15, 0.02, 0.01]);
+
     #[test]
-    fn what_stays_green_and_wood_have_their_own_colours() {
-        let summer = Palette { kinds: vec![(1.0, [0.05, 0.10, 0.03], [0.04, 0.12, 0.02])] };
-        assert_eq!(summer.seen(-1.0, 0.5), (EVERGREEN, [0.0; 3]));
-        assert_eq!(summer.seen(0.5, -1.0), (BARK, [0.0; 3]));
-        let (reflected, transmitted) = summer.seen(0.5, 0.3);
+    fn what_stays_green_has_its_own_colour() {
+        let summer = Palette::of_leaves(&[(1, GREEN)], GREEN);
+        assert_eq!(summer.leaves(-1.0), (EVERGREEN, [0.0; 3]));
+        let (reflected, transmitted) = summer.leaves(0.5);
         assert!(reflected[1] > reflected[0] && transmitted[1] > 0.0);
+        assert_eq!(Palette::of_leaves(&[], GREEN).leaves(0.5), (EVERGREEN, [0.0; 3]));
+    }
+
+    #[test]
+    fn each_tree_turns_over_some_days_and_one_after_another() {
+        // One leaf in a hundred turns a day.
+        let mean = |red: u64| -> Optics {
+            let part =
+                |green: [f32; 3], other: [f32; 3]| std::array::from_fn(|k| mix(green[k], other[k], red as f32 / 100.0));
+            (part(GREEN.0, RED.0), part(GREEN.1, RED.1))
+        };
+        let palettes: Vec<Palette> =
+            (0..=100).map(|red| Palette::of_leaves(&[(100 - red, GREEN), (red, RED)], mean(red))).collect();
+        for kind in [0.0, 0.2, 0.5, 0.77, 1.0] {
+            let reds: Vec<f32> = palettes.iter().map(|palette| palette.leaves(kind).0[0] / tint(kind)[0]).collect();
+            let largest = reds.windows(2).map(|days| days[1] - days[0]).fold(0.0, f32::max);
+            assert!(reds.windows(2).all(|days| days[1] > days[0] - 1e-4), "{kind}");
+            assert!(largest < 0.15 * (RED.0[0] - GREEN.0[0]), "{kind}: {largest}");
+        }
+        let half = &palettes[50];
+        assert!(half.leaves(0.9).0[0] > 1.5 * half.leaves(0.1).0[0]);
+    }
+
+    #[test]
+    fn trees_shed_one_after_another_and_none_in_a_day() {
+        for kind in [0.0f32, 0.3, 0.6, 1.0] {
+            assert_eq!((hanging(kind, 0.0), hanging(kind, 1.0)), (1.0, 0.0));
+            let shares: Vec<f32> = (0..=100).map(|day| hanging(kind, day as f32 / 100.0)).collect();
+            assert!(shares.windows(2).all(|days| (0.0..0.03).contains(&(days[0] - days[1]))), "{kind}");
+        }
+        assert!(hanging(0.9, 0.4) < hanging(0.1, 0.4));
+        assert_eq!(hanging(-1.0, 1.0), 1.0);
+        // The wood as a whole has lost about what the frame's trees have lost.
+        for bareness in [0.2f32, 0.5, 0.8] {
+            let mean = (0..200).map(|step| hanging(step as f32 / 199.0, bareness)).sum::<f32>() / 200.0;
+            assert!((mean - (1.0 - bareness)).abs() < 0.125, "{bareness}: {mean}");
+        }
+        for order in [0.0, 0.5, 1.0] {
+            assert_eq!((left(1.0, order), left(0.0, order)), (1.0, 0.0));
+        }
+    }
+
+    #[test]
+    fn the_meadow_s_far_rim_rises_and_falls_and_closes_the_circle() {
+        let rim =
+            |around: f32| (0..400).map(|step| step as f32 * 0.01).find(|height| above_hem(around, *height, 0.0) > 0.5);
+        let rims: Vec<f32> = (0..300).filter_map(|step| rim(step as f32 / 300.0)).collect();
+        assert_eq!(rims.len(), 300);
+        let (low, high) = rims.iter().fold((f32::MAX, 0.0f32), |(low, high), rim| (low.min(*rim), high.max(*rim)));
+        assert!(high - low > 1.0, "{low} {high}");
+        assert!((rim(0.0).unwrap_or(9.0) - rim(1.0).unwrap_or(0.0)).abs() < 0.02);
+        assert_eq!(above_hem(0.3, 10.0, 0.1), 1.0);
     }
 }

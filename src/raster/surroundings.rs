@@ -117,6 +117,20 @@ impl Prepared<'_> {
         }
     }
 
+    /// Radiance of tall grass at the far end of the meadow, along a unit direction and a distance, of a patch that is fresh (0) to
+    /// dry (1).
+    pub(super) fn far_meadow(&self, ray: Vec3, distance: f32, patch: f32) -> [f32; 3] {
+        let Some(ground) = &self.frame.ground else { return [0.0; 3] };
+        let mean = self.textures[ground.texture as usize].mean();
+        let meeting = mix(self.frame.sun.direction.y.max(0.0), self.sward(ray), ground.blades);
+        let sun = self.frame.sun.irradiance.map(|e| e * meeting * self.atmosphere.sun_share());
+        let sky = self.atmosphere.open.irradiance(Vec3::y());
+        let straw = (STRAWY + 0.24 * (patch - 0.5) + 0.58 * ground.dormant) * ground.blades;
+        let light = 0.66 + 0.34 * patch;
+        let lit = std::array::from_fn(|k| light * mean[k] * mix(1.0, STRAW[k], straw) * (sun[k] + sky[k]) / PI);
+        self.atmosphere.hazed(lit, ray * distance)
+    }
+
     /// The light on the ground at a point of the picture, and the air before it.
     pub(super) fn ground_light(&self, at: [f32; 2]) -> GroundLight {
         let Some(ground) = &self.frame.ground else { return GroundLight::default() };
@@ -169,7 +183,10 @@ impl Prepared<'_> {
         // Where a repeat is a few pixels there is no detail left but the repeats.
         let near = 1.0 - smooth_step(0.04, 0.10, footprint);
         let detail = if near > 0.0 { texture.sample(place / ground.tile, footprint) } else { mean };
-        let upright = if ground.blades > 0.0 { self.tufts(place, octave) * ground.blades } else { 0.0 };
+        // Where even a tuft that is drawn out is shorter than a pixel it would be a weave of the lattice and the pixels.
+        let drawn = 1.0 - smooth_step(0.6 * LONGEST, 1.6 * LONGEST, 0.5 / (-ray.y).max(1e-4));
+        let upright =
+            if ground.blades > 0.0 && drawn > 0.0 { self.tufts(place, octave) * ground.blades * drawn } else { 0.0 };
         // A tuft hides what lies behind it, so patches end in tufts: what is seen lies nearer by its height over the slope.
         let seen = place - self.atmosphere.ahead * (upright * TALL * ground.blades / (-ray.y).max(1e-3));
         let [middle, small] = [(4.3, 4), (1.15, 3)].map(|(size, salt)| patches(seen / size, salt, long / size));
@@ -196,7 +213,7 @@ impl Prepared<'_> {
         let of = |level: i32| {
             let times = (1i32 << level) as f32;
             let drawn_out = (0.5 * times * FINEST * self.projection.pixels_per_metre / self.projection.eye.y.max(0.1))
-                .clamp(1.0, 40.0);
+                .clamp(1.0, LONGEST);
             let size = 2.5 * FINEST * times;
             // A slant of its own keeps the lattice's rows from lying along the picture's.
             let (u, v) = (across / size, along / (size * drawn_out));
@@ -227,6 +244,8 @@ impl Prepared<'_> {
 
 /// Width of a tuft that is told from others near by, metres.
 const FINEST: f32 = 0.007;
+/// How much longer than wide a tuft is on the ground at most.
+const LONGEST: f32 = 160.0;
 /// How much lighter and darker tufts are than the mean (judged).
 const TUFTS: f32 = 0.34;
 
