@@ -46,6 +46,7 @@ fn material(name: &str, reflected: u32, transmitted: Option<u32>, transmission: 
         roughness: 0.6,
         two_sided: transmitted.is_some(),
         unlit: false,
+        is_ground: false,
     }
 }
 

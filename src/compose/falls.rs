@@ -126,6 +126,22 @@ impl<'a> Finder<'a> {
         Self { scene, stand, sites: Sites::new(stand), wind: Wind::new(&scene.fall, scene.seed), decays, masses }
     }
 
+    /// The flight of a leaf, and how far aside it lands. Where it lands on uneven ground depends on how long it flies: as it would
+    /// land on the ground's height below the twig, near enough where heights change little over a crown.
+    fn flight(&self, leaf: &Fallen) -> (Flight, DVec2) {
+        let below = DVec2::new(leaf.twig.x, leaf.twig.z);
+        let flown = |ground: f64| {
+            let flight = Flight::new(leaf, self.scene.seed, ground);
+            (flight, flight.aside(&self.wind, flight.seconds))
+        };
+        let (flight, aside) = flown(self.stand.ground_height(below.into()));
+        if self.stand.heights.is_none() {
+            (flight, aside)
+        } else {
+            flown(self.stand.ground_height((below + aside).into()))
+        }
+    }
+
     fn find(&self, dropped: &Dropped) -> Option<Fall> {
         let scene = self.scene;
         let (form, pose, site) = self.sites.at(dropped.site)?;
@@ -135,8 +151,7 @@ impl<'a> Finder<'a> {
         let twig = pose.point(site.base);
         let length = species.leaf.length * 1e-3 * site.scale;
         let leaf = Fallen { leaf: id, year: dropped.year, day: dropped.day, twig, mass_per_area, length };
-        let flight = Flight::new(&leaf, scene.seed, 0.0);
-        let aside = flight.aside(&self.wind, flight.seconds);
+        let (flight, aside) = self.flight(&leaf);
         let course = Course::new(&scene.fall, &self.decays[form.species], scene.seed, &leaf, &flight);
         let variant = variant(scene.seed, id, species.variants());
         let garment = Garment { species: form.species as u16, state: dropped.state, variant };
@@ -207,14 +222,14 @@ fn rake(scene: &Scene, stand: &Stand, all: &mut [Fall]) -> u64 {
     all.par_iter_mut().map(|fall| u64::from(raked(fall))).sum()
 }
 
-/// The level ground with the feet of all trunks.
+/// The ground with the feet of all trunks.
 pub(super) fn ground(stand: &Stand) -> Ground {
     let radii: Vec<f64> = stand.forms.iter().map(foot).collect();
     let trunk = |(form, standing): &(usize, Standing)| {
         let [x, z] = standing.place;
         Trunk { place: DVec2::new(x, z), radius: radii[*form] }
     };
-    Ground { trunks: stand.trees.iter().map(trunk).collect(), heights: None }
+    Ground { trunks: stand.trees.iter().map(trunk).collect(), heights: stand.heights.clone() }
 }
 
 /// Radius of a trunk at the ground, metres.

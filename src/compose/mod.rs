@@ -25,6 +25,7 @@ mod specimen;
 mod stand;
 mod sun_position;
 mod sward;
+mod terrain;
 mod texture_size;
 mod view;
 mod white_balance;
@@ -42,7 +43,7 @@ use crate::base::mesh::Mesh;
 use crate::base::random::{Purpose, Stream};
 use crate::base::vector::{Affine, DVec3, Mat3, Vec3};
 use crate::colour::Painted;
-use crate::fall::{Litter, Shape, Stalk};
+use crate::fall::{HeightMap, Litter, Shape, Stalk};
 use crate::frame::{Frame, Instance, Material, Model, Part, Texture};
 use crate::scene::{Scene, Species, camera::Subject, ground::Cover, image::Backdrop, image::Leaves};
 use crate::tree::LeafSite;
@@ -192,6 +193,9 @@ impl Stock {
         let cover = if is_grass && is_open { self.add_grass(scene, stand) } else { Vec::new() };
         let mut ground = ground::ground(texture, cover, scene.light.turbidity, is_grass);
         ground.feet = ground::feet(stand);
+        if let Some(map) = stand.heights.as_ref().filter(|_| is_open) {
+            self.uneven(map, &mut ground);
+        }
         if is_open && scene.ground.wood {
             let slots = ["wood_form", "wood_crowns"].map(|name| self.push_texture(wood_edge::placeholder(name)));
             ground.wood = Some(wood_edge::wood(slots[0], slots[1]));
@@ -199,6 +203,17 @@ impl Stock {
             self.wood_edge = Some(wood_edge::Edge::new(scene.seed, slots, pixel));
         }
         self.ground = Some(ground);
+    }
+
+    /// Gives the ground its heights.
+    fn uneven(&mut self, map: &HeightMap, ground: &mut crate::frame::Ground) {
+        ground.cover.iter_mut().for_each(|grass| grass.transform = terrain::laid(map, grass.transform));
+        let matte = Material::matte("ground", [1.0; 3]);
+        let material = self.push_material(Material { reflected: Some(ground.texture), is_ground: true, ..matte });
+        let part = Part { material, mesh: self.push_mesh(Arc::new(terrain::mesh(map, ground.tile))) };
+        self.models.push(Model { name: "ground".to_owned(), parts: vec![part] });
+        let model = self.models.len() as u32 - 1;
+        ground.cover.push(Instance { model, transform: Affine::identity(), leaf: None });
     }
 
     /// Blades of grass at the trees' feet and before the camera.
@@ -359,6 +374,7 @@ impl Stock {
             roughness: if dry { 0.8 } else { 0.5 },
             two_sided: true,
             unlit: false,
+            is_ground: false,
         })
     }
 

@@ -1,8 +1,10 @@
 //! The trees of a scene: each form grown once, and every tree a form at a place.
 
 use crate::base::vector::{Affine, DVec3, Mat3, rotated};
+use crate::fall::HeightMap;
 use crate::scene::Standing;
 use crate::tree::{LeafSite, Tree, Wood};
+use std::sync::Arc;
 
 /// A grown tree that may stand in several places.
 #[derive(Clone, Debug)]
@@ -43,6 +45,8 @@ pub struct Stand {
     pub trees: Vec<(usize, Standing)>,
     /// The ids of all leaves, tree by tree in the order of the sites.
     pub leaf_ids: Vec<u64>,
+    /// The heights of the ground on which they stand; level without any.
+    pub heights: Option<Arc<HeightMap>>,
 }
 
 impl Stand {
@@ -53,7 +57,18 @@ impl Stand {
         for (form, standing) in &trees {
             leaf_ids.extend(forms[*form].sites.iter().map(|site| standing.own(site.id)));
         }
-        Self { forms, trees, leaf_ids }
+        Self { forms, trees, leaf_ids, heights: None }
+    }
+
+    /// The same on ground of these heights.
+    #[must_use]
+    pub fn on(self, heights: Option<Arc<HeightMap>>) -> Self {
+        Self { heights, ..self }
+    }
+
+    /// Height of the ground at a place (x, z), metres.
+    pub(super) fn ground_height(&self, place: [f64; 2]) -> f64 {
+        self.heights.as_ref().map_or(0.0, |map| map.at(place.into()))
     }
 
     /// The trees in their order: the form, and where it stands.
@@ -92,7 +107,7 @@ impl Pose {
         let [x, z] = standing.place;
         Self {
             turn: (standing.turn != 0.0).then(|| standing.turn.to_radians()),
-            place: (standing.place != [0.0; 2]).then(|| DVec3::new(x, 0.0, z)),
+            place: (standing.place != [0.0; 2] || standing.height != 0.0).then(|| DVec3::new(x, standing.height, z)),
         }
     }
 
@@ -135,7 +150,7 @@ mod tests {
     }
 
     fn standing(key: u64, place: [f64; 2], turn: f64) -> Standing {
-        Standing { entry: 0, seed: 1, key, place, turn }
+        Standing { entry: 0, seed: 1, key, place, height: 0.0, turn }
     }
 
     #[test]

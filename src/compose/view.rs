@@ -10,6 +10,8 @@ use crate::scene::{Scene, image::Backdrop, image::Leaves, light::Metering, light
 
 /// Colour of a wireframe's lines.
 const LINES: [f32; 3] = [0.02, 0.03, 0.05];
+/// Least height of the eye over the ground below it, over that which it has on level ground.
+const LEAST_EYE: f64 = 0.75;
 /// Width of a full-frame camera's picture, millimetres.
 const FULL_FRAME: f64 = 36.0;
 
@@ -86,11 +88,14 @@ pub(super) fn camera(scene: &Scene, stand: &Stand) -> Camera {
     let circles: Vec<Circle> = stand.standing().map(circle).collect();
     let eye = scene.camera.eye_height.min(height * 0.6);
     let (distance, tilt) = fitted(&circles, eye, field_of_view, aspect, scene.camera.fill);
-    let position = scene.camera.position.map_or(DVec3::new(x, eye, z + distance), DVec3::from);
+    // On uneven ground the fitted camera stands as high as the trees do, but above the ground.
+    let base = stand.ground_height([x, z]);
+    let above = (stand.ground_height([x, z + distance]) + LEAST_EYE * eye).max(base + eye);
+    let position = scene.camera.position.map_or(DVec3::new(x, above, z + distance), DVec3::from);
     let fitted_target = if scene.camera.position.is_some() {
-        DVec3::new(x, height * 0.5, z)
+        DVec3::new(x, base + height * 0.5, z)
     } else {
-        DVec3::new(x, eye + distance * libm::tan(tilt), z)
+        DVec3::new(x, base + eye + distance * libm::tan(tilt), z)
     };
     let target = scene.camera.target.map_or(fitted_target, DVec3::from);
     Camera {

@@ -121,7 +121,7 @@ impl<'a> Bed<'a> {
         }
         let level = height + THICKNESS;
         for (found, of_rim) in [(&tools.blade, 0), (&tools.rim, OF_RIM)] {
-            match self.ground.heights {
+            match &self.ground.heights {
                 None => found.raise(patch.values, level, of_rim, |_| 0.0),
                 Some(_) => found.raise(patch.values, level, of_rim, self.grounds(patch.first, patch.stride)),
             }
@@ -233,11 +233,11 @@ impl<'a> Bed<'a> {
             |points: &Points| points.iter().map(|p| self.met(leaf, axes.turned(p))).fold(f32::NEG_INFINITY, f32::max);
         // a petiole is thinner than a cell: it slips between blades, but not into the ground
         let stalk = rest.stalk.iter().map(|p| self.met(leaf, axes.turned(*p))).fold(f32::NEG_INFINITY, f32::max);
-        let ground = match self.ground.heights {
+        let ground = match &self.ground.heights {
             None => -tools.blade.lowest.min(tools.rim.lowest),
             Some(_) => met(&rest.blade[self.fineness]).max(met(&rest.rim[self.fineness])),
         };
-        let contact = match self.ground.heights {
+        let contact = match &self.ground.heights {
             None => contact(tools, patch.values, |_| 0.0),
             Some(_) => contact(tools, patch.values, self.grounds(patch.first, patch.stride)),
         };

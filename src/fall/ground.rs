@@ -4,9 +4,11 @@
 //! that is smooth over half a metre and two metres, x -> x + grad phi(x): the map by which Zel'dovich (1970) gathers
 //! evenly spread matter into sheets and knots. The same map holds for every leaf, so leaves that land close stay close.
 
+use super::heights::HeightMap;
 use crate::base::noise::Lattice;
 use crate::base::random::hash;
 use crate::base::vector::DVec2;
+use std::sync::Arc;
 
 /// Lengths over which drifts vary, metres, and how far leaves slide over each of them (root mean square over the length).
 const WAVES: [(f64, f64); 2] = [(2.1, 0.115), (0.55, 0.10)];
@@ -33,39 +35,7 @@ pub struct Ground {
     /// The trunks that stand in it.
     pub trunks: Vec<Trunk>,
     /// Heights over a grid of squares; level at 0 without one.
-    pub heights: Option<HeightMap>,
-}
-
-/// Heights at the nodes of a grid, bilinear between them, the rim's beyond.
-#[derive(Clone, Debug, PartialEq)]
-pub struct HeightMap {
-    /// The node with the smallest x and z, metres.
-    pub origin: DVec2,
-    /// Distance of nodes, metres.
-    pub step: f64,
-    /// Nodes along x.
-    pub columns: usize,
-    /// Heights row by row (rows along z), metres.
-    pub heights: Vec<f64>,
-}
-
-impl HeightMap {
-    fn at(&self, place: DVec2) -> f64 {
-        let rows = self.heights.len() / self.columns.max(1);
-        if rows == 0 {
-            return 0.0;
-        }
-        let cell = |at: f64, count: usize| {
-            let at = (at / self.step).clamp(0.0, (count - 1) as f64);
-            let node = (at as usize).min(count.saturating_sub(2));
-            (node, (node + 1).min(count - 1), at - node as f64)
-        };
-        let (left, right, u) = cell(place.x - self.origin.x, self.columns);
-        let (near, far, v) = cell(place.y - self.origin.y, rows);
-        let height = |row: usize, column: usize| self.heights[row * self.columns + column];
-        let along = |row: usize| height(row, left) * (1.0 - u) + height(row, right) * u;
-        along(near) * (1.0 - v) + along(far) * v
-    }
+    pub heights: Option<Arc<HeightMap>>,
 }
 
 impl Ground {
@@ -150,14 +120,5 @@ mod tests {
         };
         let (still, windy) = (clumped(0.0), clumped(1.0));
         assert!(windy > 0.05 && windy > 2.0 * still && still > 0.002, "{still} {windy}");
-    }
-
-    #[test]
-    fn a_height_map_is_bilinear_and_goes_on_beyond_its_rim() {
-        let map = HeightMap { origin: DVec2::zeros(), step: 2.0, columns: 2, heights: vec![0.0, 1.0, 2.0, 3.0] };
-        let ground = Ground { heights: Some(map), ..Ground::default() };
-        assert_eq!(ground.height(DVec2::new(1.0, 1.0)), 1.5);
-        assert_eq!((ground.height(DVec2::new(-9.0, 0.0)), ground.height(DVec2::new(9.0, 9.0))), (0.0, 3.0));
-        assert_eq!(Ground::default().height(DVec2::new(3.0, 1.0)), 0.0);
     }
 }

@@ -6,6 +6,7 @@ use crate::base::maths::{cos, sin};
 use crate::base::mesh::Mesh;
 use crate::base::random::{Purpose, Stream};
 use crate::base::vector::{DVec2, DVec3, Vec3};
+use std::sync::Arc;
 
 /// Side of the squares on which surfaces are compared, metres.
 const SIDE: f64 = 1e-3;
@@ -184,7 +185,7 @@ fn all_of_many_leaves_touch_what_lies_below_and_none_passes_through_it() {
 fn on_sloping_ground_too_leaves_lie_on_the_ground() {
     let heights = (0..41 * 41).map(|n| 0.1 * f64::from(n % 41) * 0.3).collect();
     let map = HeightMap { origin: DVec2::new(-2.0, -2.0), step: 0.1, columns: 41, heights };
-    let ground = Ground { heights: Some(map), ..Ground::default() };
+    let ground = Ground { heights: Some(Arc::new(map)), ..Ground::default() };
     let (meshes, landed) = (shapes(), heap(60, 0.9));
     let (shapes, laid) = settled(&meshes, &landed, &ground);
     for (leaf, laid) in landed.iter().zip(&laid) {

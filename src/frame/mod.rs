@@ -51,6 +51,8 @@ pub struct Material {
     pub two_sided: bool,
     /// Whether the surface shows its reflectance as it is, whatever light there is: charts, not leaves.
     pub unlit: bool,
+    /// Whether it is the frame's ground where that is uneven, and looks as it does.
+    pub is_ground: bool,
 }
 
 impl Material {
@@ -70,6 +72,7 @@ impl Material {
             roughness: 0.95,
             two_sided: false,
             unlit: false,
+            is_ground: false,
         }
     }
 }
@@ -194,7 +197,7 @@ pub struct Wood {
     pub bareness: f32,
 }
 
-/// The level ground at height 0, drawn to the horizon. Not part of an exported asset.
+/// The ground, level at height 0 and drawn to the horizon but for what stands on it. Not part of an exported asset.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ground {
     /// Number of the texture of diffuse reflectance; repeats.
@@ -211,7 +214,7 @@ pub struct Ground {
     pub dormant: f32,
     /// The feet of trunks: x, z and radius, metres. They keep light off the ground about them.
     pub feet: Vec<[f32; 3]>,
-    /// Models that belong to the ground: grass. They cast no shadow.
+    /// Models that belong to the ground: grass, and itself where it is uneven. They cast no shadow.
     pub cover: Vec<Instance>,
 }
 

@@ -148,6 +148,9 @@ pub(super) fn normal(prepared: &Prepared, bins: &Bins, visible: &Visible, triang
 fn lit(prepared: &Prepared, item: &Item, visible: &mut Visible, triangle: u16, at: [f32; 2]) -> [f32; 3] {
     let mut point = point(prepared, item, &visible.map, triangle, at);
     let material = &prepared.frame.materials[item.material as usize];
+    if material.is_ground {
+        return prepared.uneven_ground(point.position, point.normal, point.salt);
+    }
     let seen = if point.behind { material.behind.or(material.reflected) } else { material.reflected };
     let mut looks = Looks::new(prepared, &point);
     let mut reflected = looks.colour(material.colour, seen);

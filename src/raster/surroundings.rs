@@ -5,7 +5,7 @@ use crate::base::maths::{acosf, asinf, log2f, mix, smooth_step};
 use crate::base::noise::Lattice;
 use crate::base::random::hash;
 use crate::base::vector::{Vec2, Vec3};
-use crate::frame::Clouds;
+use crate::frame::{Clouds, Ground};
 use std::f32::consts::PI;
 
 /// Cosine of the angle of the sun's disc's radius, 0.267 degrees, and that radius.
@@ -16,6 +16,24 @@ const CLOUDS: f32 = 4.4;
 const SWARD: f32 = 0.66;
 /// Transmittance of a blade of grass over its reflectance (judged; measured leaves of grasses have 0.6 to 0.9).
 const BLADE: f32 = 0.75;
+
+/// A spot of the ground as the eye sees it.
+struct Spot {
+    position: Vec3,
+    /// From the eye, metres.
+    distance: f32,
+    /// Unit vector from the eye.
+    ray: Vec3,
+    /// Unit normal.
+    normal: Vec3,
+}
+
+impl Spot {
+    /// Cosine of the angle at which the look meets the ground.
+    fn slope(&self) -> f32 {
+        -self.ray.dot(&self.normal)
+    }
+}
 
 /// The light on a place of the ground, and the air between it and the eye.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -94,25 +112,37 @@ impl Prepared<'_> {
         })
     }
 
-    /// Where a point of the picture below the horizon meets the ground, and the unit direction to it.
-    fn on_ground(&self, at: [f32; 2]) -> (Vec3, f32, Vec3) {
+    /// Where a point of the picture below the horizon meets the level ground.
+    fn on_ground(&self, at: [f32; 2]) -> Spot {
         let ray = self.projection.ray(at[0], at[1]);
         let distance = self.projection.eye.y / (-ray.y).max(1e-6);
-        (self.projection.eye + ray * distance, distance, ray)
+        Spot { position: self.projection.eye + ray * distance, distance, ray, normal: Vec3::y() }
+    }
+
+    /// Radiance of uneven ground at a point of it, its unit normal on the side of the eye.
+    pub(super) fn uneven_ground(&self, position: Vec3, normal: Vec3, salt: u64) -> [f32; 3] {
+        let Some(ground) = &self.frame.ground else { return [0.0; 3] };
+        let way = position - self.projection.eye;
+        let distance = way.norm();
+        let spot = Spot { position, distance, ray: way / distance.max(1e-6), normal };
+        self.seen(&spot, &self.light(&spot, ground), self.patches(&spot), salt)
+    }
+
+    /// Radiance of a spot of the ground in its light and its patches.
+    fn seen(&self, spot: &Spot, light: &GroundLight, patches: [f32; 4], salt: u64) -> [f32; 3] {
+        let albedo = self.ground_albedo(spot, patches);
+        let shade = self.shade(spot.position, spot.normal, salt);
+        std::array::from_fn(|k| albedo[k] * (light.sun[k] * shade + light.ambient[k]) * light.kept[k] + light.air[k])
     }
 
     /// Radiance of the ground at a point of the picture below the horizon, of what changes little from pixel to pixel.
     pub(super) fn ground(&self, at: [f32; 2], light: &GroundLight, patches: [f32; 4]) -> [f32; 3] {
         let Some(ground) = &self.frame.ground else { return self.sky(at) };
-        let (position, distance, ray) = self.on_ground(at);
-        let albedo = self.ground_albedo(position, distance, ray, patches);
-        let shade = self.shade(position, Vec3::y(), hash(at[0] as u64, at[1] as u64));
-        let seen: [f32; 3] = std::array::from_fn(|k| {
-            albedo[k] * (light.sun[k] * shade + light.ambient[k]) * light.kept[k] + light.air[k]
-        });
+        let spot = self.on_ground(at);
+        let seen = self.seen(&spot, light, patches, hash(at[0] as u64, at[1] as u64));
         match ground.wood {
             // What lies beyond the wood's edge is hidden by it.
-            Some(wood) if distance > wood.distance => self.before_wood(&wood, ray, seen),
+            Some(wood) if spot.distance > wood.distance => self.before_wood(&wood, spot.ray, seen),
             _ => seen,
         }
     }
@@ -122,7 +152,7 @@ impl Prepared<'_> {
     pub(super) fn far_meadow(&self, ray: Vec3, distance: f32, patch: f32) -> [f32; 3] {
         let Some(ground) = &self.frame.ground else { return [0.0; 3] };
         let mean = self.textures[ground.texture as usize].mean();
-        let meeting = mix(self.frame.sun.direction.y.max(0.0), self.sward(ray), ground.blades);
+        let meeting = mix(self.frame.sun.direction.y.max(0.0), self.sward(ray, Vec3::y()), ground.blades);
         let sun = self.frame.sun.irradiance.map(|e| e * meeting * self.atmosphere.sun_share());
         let sky = self.atmosphere.open.irradiance(Vec3::y());
         let straw = (STRAWY + 0.24 * (patch - 0.5) + 0.58 * ground.dormant) * ground.blades;
@@ -134,9 +164,14 @@ impl Prepared<'_> {
     /// The light on the ground at a point of the picture, and the air before it.
     pub(super) fn ground_light(&self, at: [f32; 2]) -> GroundLight {
         let Some(ground) = &self.frame.ground else { return GroundLight::default() };
-        let (position, distance, ray) = self.on_ground(at);
+        self.light(&self.on_ground(at), ground)
+    }
+
+    fn light(&self, spot: &Spot, ground: &Ground) -> GroundLight {
+        let Spot { position, distance, ray, normal } = *spot;
         let share = self.atmosphere.sun_share();
-        let meeting = mix(self.frame.sun.direction.y.max(0.0), self.sward(ray), ground.blades) * share / PI;
+        let facing = self.frame.sun.direction.dot(&normal).max(0.0);
+        let meeting = mix(facing, self.sward(ray, normal), ground.blades) * share / PI;
         // No meadow is farther away than the wood that closes it off.
         let farthest = ground.wood.map_or(f32::MAX, |wood| wood.distance);
         let way = ray * distance.min(farthest);
@@ -144,7 +179,7 @@ impl Prepared<'_> {
         let air = self.atmosphere.air(way);
         GroundLight {
             sun: self.frame.sun.irradiance.map(|e| e * meeting),
-            ambient: self.ambient(position).irradiance(Vec3::y()).map(|e| e * open / PI),
+            ambient: self.ambient(position).irradiance(normal).map(|e| e * open / PI),
             kept: air.map(|channel| channel[0]),
             air: air.map(|channel| channel[1]),
         }
@@ -153,10 +188,13 @@ impl Prepared<'_> {
     /// Wide patches in the ground, which do not repeat: how light it is, how dry and how worn (both with 1 added, so that what
     /// counts as even is told from 1), and the octave of tufts that pixels show.
     pub(super) fn ground_patches(&self, at: [f32; 2]) -> [f32; 4] {
-        let (position, distance, ray) = self.on_ground(at);
-        let place = Vec2::new(position.x, position.z);
-        let pixel = distance / self.projection.pixels_per_metre;
-        let long = pixel / (-ray.y).max(1e-3);
+        self.patches(&self.on_ground(at))
+    }
+
+    fn patches(&self, spot: &Spot) -> [f32; 4] {
+        let place = Vec2::new(spot.position.x, spot.position.z);
+        let pixel = spot.distance / self.projection.pixels_per_metre;
+        let long = pixel / spot.slope().max(1e-3);
         let [field, wide] = [(71.0, 1), (19.0, 2)].map(|(size, salt)| patches(place / size, salt, long / size));
         let octave = log2f((pixel / FINEST).max(1.0));
         let worn = self.frame.ground.as_ref().map_or(0.0, |ground| worn(&ground.feet, place));
@@ -164,31 +202,26 @@ impl Prepared<'_> {
     }
 
     /// Reflectance of the ground: its texture, tufts and patches of herbs.
-    fn ground_albedo(
-        &self,
-        position: Vec3,
-        distance: f32,
-        ray: Vec3,
-        [light, dry, worn, octave]: [f32; 4],
-    ) -> [f32; 3] {
+    fn ground_albedo(&self, spot: &Spot, [light, dry, worn, octave]: [f32; 4]) -> [f32; 3] {
         let Some(ground) = &self.frame.ground else { return [0.0; 3] };
+        let (position, slope) = (spot.position, spot.slope());
         let (dry, worn) = (dry - 1.0, (worn - 1.0).max(0.0));
-        let pixel = distance / self.projection.pixels_per_metre;
+        let pixel = spot.distance / self.projection.pixels_per_metre;
         let texture = &self.textures[ground.texture as usize];
         let place = Vec2::new(position.x, position.z);
         // A pixel on the ground is long and narrow; the mean of its sides keeps detail without crawling.
-        let long = pixel / (-ray.y).max(1e-3);
+        let long = pixel / slope.max(1e-3);
         let footprint = (pixel * long).sqrt() / ground.tile;
         let mean = texture.mean();
         // Where a repeat is a few pixels there is no detail left but the repeats.
         let near = 1.0 - smooth_step(0.04, 0.10, footprint);
         let detail = if near > 0.0 { texture.sample(place / ground.tile, footprint) } else { mean };
         // Where even a tuft that is drawn out is shorter than a pixel it would be a weave of the lattice and the pixels.
-        let drawn = 1.0 - smooth_step(0.6 * LONGEST, 1.6 * LONGEST, 0.5 / (-ray.y).max(1e-4));
+        let drawn = 1.0 - smooth_step(0.6 * LONGEST, 1.6 * LONGEST, 0.5 / slope.max(1e-4));
         let upright =
             if ground.blades > 0.0 && drawn > 0.0 { self.tufts(place, octave) * ground.blades * drawn } else { 0.0 };
         // A tuft hides what lies behind it, so patches end in tufts: what is seen lies nearer by its height over the slope.
-        let seen = place - self.atmosphere.ahead * (upright * TALL * ground.blades / (-ray.y).max(1e-3));
+        let seen = place - self.atmosphere.ahead * (upright * TALL * ground.blades / slope.max(1e-3));
         let [middle, small] = [(4.3, 4), (1.15, 3)].map(|(size, salt)| patches(seen / size, salt, long / size));
         let light = light + 0.46 * middle + 0.42 * small + TUFTS * upright;
         let grass = ground.blades * (1.0 - worn);
@@ -226,9 +259,9 @@ impl Prepared<'_> {
     /// How a meadow meets the sun where an eye sees it, as a share of the irradiance across the beam, 0 to about 2: blades that
     /// stand all ways, lit and seen through one another. Single scattering in a deep layer is mu0 / (mu0 + mu) times the
     /// leaves' phase function (Ross 1981, spherical leaf angles), 1 where sun and eye are both overhead.
-    fn sward(&self, ray: Vec3) -> f32 {
+    fn sward(&self, ray: Vec3, normal: Vec3) -> f32 {
         let sun = self.frame.sun.direction;
-        let (in_cosine, out_cosine) = (sun.y.max(0.0), (-ray.y).max(0.0));
+        let (in_cosine, out_cosine) = (sun.dot(&normal).max(0.0), (-ray.dot(&normal)).max(0.0));
         if in_cosine <= 0.0 {
             return 0.0;
         }

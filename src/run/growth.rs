@@ -63,7 +63,7 @@ pub fn grow(scene: &Scene, limits: &Limits) -> Result<(Stand, Figures), Diagnost
         }
     }
     let figures = summed(&wanted, &figures);
-    Ok((Stand::new(forms, trees), figures))
+    Ok((Stand::new(forms, trees).on(scene.ground.map()), figures))
 }
 
 /// The forms of the trees, in the order in which trees ask for them, and each tree with its form's number.

@@ -1,6 +1,6 @@
 //! What the stages' checks complain of.
 
-use super::{Scene, Species, camera, image, light, output, planting};
+use super::{Scene, Species, camera, ground, image, light, output, planting};
 use crate::base::settings::Complaint;
 use crate::{colour, deform, fall, leaf, season, tree};
 
@@ -15,6 +15,7 @@ pub fn of_scene(scene: &Scene) -> Vec<(String, Complaint)> {
     take("light", light::check(&scene.light));
     take("image", image::check(&scene.image));
     take("output", output::check(&scene.output, &scene.image));
+    take("ground", ground::check(&scene.ground));
     take("fall", fall::check(&scene.fall));
     for (entry, planted) in scene.trees.iter().enumerate() {
         take(&format!("trees.{entry}"), planting::check(&planted.planting));

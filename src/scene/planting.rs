@@ -76,6 +76,8 @@ pub struct Standing {
     pub key: u64,
     /// Where its trunk meets the ground: x and z, metres.
     pub place: [f64; 2],
+    /// Height of the ground there, metres.
+    pub height: f64,
     /// Turn about the vertical, degrees.
     pub turn: f64,
 }
@@ -152,7 +154,11 @@ impl Scene {
     /// # Errors
     /// A grove in which there is not room for all.
     pub fn standing(&self) -> Result<Vec<Standing>, Crowded> {
-        plant(&self.trees, self.seed)
+        let mut standing = plant(&self.trees, self.seed)?;
+        if let Some(map) = self.ground.map() {
+            standing.iter_mut().for_each(|tree| tree.height = map.at(tree.place.into()));
+        }
+        Ok(standing)
     }
 }
 
@@ -164,7 +170,7 @@ pub(super) fn plant(trees: &[Planted], scene_seed: u64) -> Result<Vec<Standing>,
         match planting.count {
             None => {
                 let (place, turn) = (planting.place, planting.turn.unwrap_or(0.0));
-                ground.add(Standing { entry, seed, key: key(seed, entry, 0), place, turn });
+                ground.add(Standing { entry, seed, key: key(seed, entry, 0), place, height: 0.0, turn });
             }
             Some(count) => ground.sow(planting, (entry, seed), count)?,
         }
@@ -224,7 +230,7 @@ impl Trunks {
             };
             let turn = planting.turn.unwrap_or_else(|| chance.range(0.0, 360.0));
             let key = key(seed, entry, number);
-            self.add(Standing { entry, seed: derived(seed, u64::from(number % forms)), key, place, turn });
+            self.add(Standing { entry, seed: derived(seed, u64::from(number % forms)), key, place, height: 0.0, turn });
         }
         Ok(())
     }

@@ -125,21 +125,28 @@ fn tidied(mut matrix: Matrix) -> Matrix {
 
 fn advanced(row: &[f64], matrix: &Matrix) -> Vec<f64> {
     let mut next = vec![0.0; row.len()];
+    advance(row, matrix, &mut next);
+    next
+}
+
+/// The row after a step of a matrix, in place of what `next` held.
+fn advance(row: &[f64], matrix: &Matrix, next: &mut [f64]) {
+    next.fill(0.0);
     for (share, chances) in row.iter().zip(matrix).filter(|(share, _)| **share > 0.0) {
         for (sum, chance) in next.iter_mut().zip(chances) {
             *sum += share * chance;
         }
     }
-    next
 }
 
 /// The row after a Poisson number of events with mean `mean` (at most 1): uniformisation (Jensen 1953).
 fn poisson_row(row: &[f64], uniformised: &Matrix, mean: f64) -> Vec<f64> {
-    let mut power = row.to_vec();
+    let (mut power, mut next) = (row.to_vec(), vec![0.0; row.len()]);
     let mut weight = exp(-mean);
     let mut sum: Vec<f64> = power.iter().map(|share| share * weight).collect();
     for term in 1..=POISSON_TERMS {
-        power = advanced(&power, uniformised);
+        advance(&power, uniformised, &mut next);
+        std::mem::swap(&mut power, &mut next);
         weight *= mean / term as f64;
         for (total, share) in sum.iter_mut().zip(&power) {
             *total += weight * share;
