@@ -89,6 +89,9 @@ pub struct Plan {
     pub left_out: Vec<LeftOut>,
     /// The frames.
     pub frames: Vec<PlannedFrame>,
+    /// Whether a leaf hangs on a tree in any frame.
+    #[serde(skip)]
+    pub is_worn: bool,
     /// What leaves wear in any frame: the shapes.
     #[serde(skip)]
     pub garments: Vec<Garment>,
@@ -152,7 +155,8 @@ pub struct Roll {
 /// tests use to prove that nothing left out was needed.
 #[must_use]
 pub fn plan(scene: &Scene, states: &[String], rolls: &[Roll], counted: &[Counted], leave_out: bool) -> Plan {
-    let mut plan = Plan::default();
+    let is_worn = counted.iter().any(|frame| !frame.worn.is_empty());
+    let mut plan = Plan { is_worn, ..Plan::default() };
     let is_one = rolls.iter().map(|roll| roll.trees).sum::<usize>() == 1;
     for (species, roll) in scene.species.iter().zip(rolls) {
         let Roll { trees, forms, .. } = roll;

@@ -69,6 +69,8 @@ pub struct Garment {
 pub struct Wardrobe {
     /// Names of the states.
     pub states: Vec<String>,
+    /// Whether a leaf hangs on a tree.
+    pub is_worn: bool,
     /// Shapes by garment; shared by garments whose shape is the same.
     pub shapes: BTreeMap<Garment, Arc<Mesh>>,
     /// Textures by garment; shared by garments whose texture is the same.
@@ -134,10 +136,7 @@ impl Stock {
             stock.add_leaves(scene, stand, (number, tag), wardrobe);
         }
         // The one picture of a leaf by itself shows no ground; where no leaf hangs it is a picture of trees after all.
-        let is_alone = scene.camera.subject == Subject::Leaf
-            && scene.time.is_single()
-            && !wardrobe.shapes.is_empty()
-            && wardrobe.fallen.is_empty();
+        let is_alone = scene.camera.subject == Subject::Leaf && scene.time.is_single() && wardrobe.is_worn;
         if scene.output.png && scene.ground.kind != Cover::None && !is_alone {
             stock.add_ground(scene, stand);
         }

@@ -51,7 +51,8 @@ pub fn wardrobe(
     report: &mut Report,
 ) -> Result<Wardrobe, Diagnostics> {
     let Prepared { scene, states, plan, stand, .. } = prepared;
-    let mut wardrobe = Wardrobe { states: states.clone(), fallen: plan.fallen.clone(), ..Wardrobe::default() };
+    let fallen = plan.fallen.clone();
+    let mut wardrobe = Wardrobe { states: states.clone(), fallen, is_worn: plan.is_worn, ..Wardrobe::default() };
     let mut leaf_area = Some(0.0);
     for (number, species) in scene.species.iter().enumerate() {
         let (garments, painted) = (plan.garments_of(number), plan.painted_of(number));

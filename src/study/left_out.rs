@@ -69,7 +69,7 @@ const VARIANTS: [Variant; 15] = [
     variant("no ground", &["ground.kind=none"]),
     variant("bare winter, no ground", &["time.day=400", "ground.kind=none"]),
     variant("bare winter", &["time.day=400"]),
-    variant("glTF only", &["output.png=false"]),
+    variant("glTF only", &["output={png=false, gltf=\"nodes\"}"]),
     variant("one leaf", &["tree={axiom=\"L(1)\", rules=[], petiole=30.0}", "camera.subject=leaf"]),
     variant("picture only", &["output={png=true, inset=true}"]),
     variant("no inset", &["output={png=true, gltf=\"nodes\", inset=false}"]),
@@ -98,6 +98,13 @@ pub fn study(desk: &mut Desk<'_>) -> Result<(), Diagnostics> {
         desk.section("Left out", "Not measured: this program's own file cannot be found.");
         return Ok(());
     };
+    if desk.request.subject.as_ref().is_some_and(|subject| subject.scene.cell_count() > 0) {
+        desk.section(
+            "Left out",
+            "Not measured: a contact sheet is many scenes. Study one of its cells as a scene of its own.",
+        );
+        return Ok(());
+    }
     let (path, own_sets) = match &desk.request.subject {
         Some(subject) => {
             let [width, height] = own::sides(&subject.scene, desk.request.quick);

@@ -16,7 +16,8 @@ use std::path::Path;
 /// What rules, outlines or limits refuse; files that cannot be written; a scan when nothing else is asked for.
 pub fn study(desk: &mut Desk<'_>) -> Result<(), Diagnostics> {
     let request = desk.request;
-    let scene = request.subject.as_ref().map(|subject| &subject.scene);
+    // Of a sheet the trees of its first cell.
+    let scene = request.subject.as_ref().map(|subject| subject.scene.cells.first().unwrap_or(&subject.scene));
     let is_scanned = |scene: &&Scene| scene.species.iter().any(|species| species.assets.contains_key("leaf.picture"));
     if let Some(scene) = scene.filter(is_scanned) {
         let what = "the study of trees measures leaves by their outline, and here is a scan";
