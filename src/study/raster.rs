@@ -40,6 +40,8 @@ const COLUMNS: [&str; 17] = [
 const BUDGET: f64 = 2.0;
 /// Errors in pixels that levels of detail may make, tried with the default samples.
 const LOD_ERRORS: [f32; 6] = [0.0, 0.1, 0.3, 0.6, 1.2, 2.4];
+/// By more than this share another row must be better in both error and work to beat the defaults: less is chance.
+const NOTICED: f64 = 0.01;
 /// Sides by which references are enlarged, the one and another that it is held against: 4,096 and 2,304 samples in a pixel.
 const SIDES: [u32; 2] = [16, 12];
 /// Those of a quick study and of large pictures: 1,024 and 576.
@@ -233,7 +235,7 @@ fn judge(desk: &mut Desk<'_>, subjects: &[Subject], curves: &[Curve], is_built_i
     let default = Image::default().samples;
     for (subject, curve) in subjects.iter().zip(curves).filter(|(subject, _)| subject.name != "fan") {
         let Some(row) = curve.points.iter().position(|point| point[0] == f64::from(default)) else { continue };
-        let beaten = beaten_by(&curve.points, row, 0.0);
+        let beaten = beaten_by(&curve.points, row, NOTICED);
         let found = format!("{}: {default} samples, error {}", subject.name, shown(curve.points[row][1]));
         desk.judge("F2", beaten.is_empty(), "the default samples lie on the front of error and samples", found);
     }
@@ -245,7 +247,7 @@ fn judge_levels(desk: &mut Desk<'_>, subjects: &[Subject], levels: &[Vec<(f32, [
     for (subject, levels) in subjects.iter().zip(levels) {
         let Some(row) = levels.iter().position(|(lod, _)| lod.total_cmp(&default).is_eq()) else { continue };
         let points: Vec<[f64; 2]> = levels.iter().map(|(_, point)| *point).collect();
-        let beaten = beaten_by(&points, row, 0.0);
+        let beaten = beaten_by(&points, row, NOTICED);
         let [triangles, error] = points[row];
         let found = format!("{}: {default} px, error {} with {triangles} triangles", subject.name, shown(error));
         let by: Vec<String> = beaten.iter().map(|&other| format!("{} px", levels[other].0)).collect();

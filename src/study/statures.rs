@@ -29,12 +29,18 @@ pub fn study(desk: &mut Desk<'_>) -> Result<(), Diagnostics> {
         return Err(Diagnostic::error(Fault::Scene, what, "trace it first and give leaf.outline").at(place).into());
     }
     let subjects = scene.map_or_else(trees::built_in, subjects);
-    let lines = trees::lines(&subjects, &request.limits, request.quick).map_err(|(number, failure)| {
-        match (failure, scene.map(|scene| &scene.species[number])) {
-            (Failure::Tree(error), Some(species)) => fault::tree(species, &error),
-            (Failure::Leaf(error), Some(species)) => fault::leaf(species, &error),
-            (failure, None) => bug(&failure.to_string()),
+    let lines = match trees::lines(&subjects, &request.limits, request.quick) {
+        // Without a blade there is a tree to draw, but no leaves to measure.
+        Err((_, Failure::Leaf(error))) if request.family == Family::All => {
+            desk.section("Trees", &format!("Left out: {error}."));
+            return Ok(());
         }
+        lines => lines,
+    };
+    let lines = lines.map_err(|(number, failure)| match (failure, scene.map(|scene| &scene.species[number])) {
+        (Failure::Tree(error), Some(species)) => fault::tree(species, &error),
+        (Failure::Leaf(error), Some(species)) => fault::leaf(species, &error),
+        (failure, None) => bug(&failure.to_string()),
     })?;
     for line in &lines {
         let value = line.value.map_or_else(|| "none".to_owned(), |value| format!("{value:.3}"));
