@@ -21,8 +21,10 @@ pub const BROWN: &str = "brown";
 const LYING_BEND: f64 = 0.06;
 /// How much of its height a flat leaf keeps.
 const FLATTENED: f32 = 0.2;
-/// Reflectance of a flat leaf over that of a brown one: wet, bleached and bitten (judged).
-const DARKER: [f32; 3] = [0.58, 0.51, 0.46];
+/// Reflectance of a leaf that has browned where it lies over that of a brown one that hangs: dusty and rained on (judged).
+const DULLER: [f32; 3] = [0.70, 0.84, 1.20];
+/// Reflectance of a flat leaf over that of a brown one: wet, and greyed as its tannins are washed out (judged).
+const DARKER: [f32; 3] = [0.56, 0.66, 0.88];
 /// How far above its rest on bare ground a flight ends, metres: what lies there has to be cleared.
 const ARRIVAL: f64 = 0.01;
 
@@ -150,7 +152,8 @@ impl Stock {
         let own = self.leaf_material(scene, (number, tag), wardrobe, garment);
         let (suffix, factor, passing) = match look {
             Look::Hung => return own,
-            Look::Fresh | Look::Brown => ("lying", [1.0; 3], 1.0),
+            Look::Fresh => ("lying", [1.0; 3], 1.0),
+            Look::Brown => ("browned", DULLER, 0.7),
             Look::Flat => ("flat", DARKER, 0.4),
         };
         let name = format!("{}_{suffix}", self.materials[own as usize].name);

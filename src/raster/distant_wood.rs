@@ -239,7 +239,8 @@ impl Prepared<'_> {
         // On rising ground there are crowns below crowns: bands of them, each beside the last.
         let closed = if is_far { closed(look.around) } else { 0.0 };
         let band = (closed - height / wood.height).max(0.0) * 5.0;
-        let height = if is_far { height.max(wood.height * (closed - 0.2 * band.fract())) } else { height };
+        let lowest = wood.height * (closed - 0.2 * band.fract()).max(0.01);
+        let height = if is_far { height.max(lowest) } else { height };
         if height > wood.height || height < 0.0 {
             return (0.0, [0.0; 3]);
         }
