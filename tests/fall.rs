@@ -271,13 +271,27 @@ fn points(blade: &[[[f64; 3]; 3]]) -> Vec<[f64; 3]> {
 
 #[test]
 fn no_leaf_lies_in_the_ground_and_none_hovers() {
+    leaves_lie_well(&[]);
+}
+
+#[test]
+fn no_leaf_lies_in_uneven_ground_and_none_hovers_over_it() {
+    leaves_lie_well(&["ground.heights=[[0.0, 0.5, 0.1], [0.9, 0.3, 0.6], [-0.2, 0.4, 0.2]]", "ground.step=2.0"]);
+}
+
+/// Every leaf that lies touches the ground or a leaf within 2 mm, and none goes 1 mm into the ground.
+fn leaves_lie_well(more: &[&str]) {
     let sets = ["time.day=20", "tree.age=6", "output.png=false", "fall.browning=8", "fall.days=60"];
-    let (files, report) = rendered(&small(&sets), Options::default());
+    let scene = small(&[&sets, more].concat());
+    let heights = scene.ground.map();
+    let ground = |p: &[f64; 3]| heights.as_ref().map_or(0.0, |map| map.at([p[0], p[2]].into()));
+    let (files, report) = rendered(&scene, Options::default());
     let stage = report.stages.iter().find(|stage| stage.name == "fall").unwrap();
     let buried = stage.figures["buried"].as_u64().unwrap() as usize;
     let blades = lying_blades(&files["small.glb"]);
     assert!(blades.len() > 200 && blades.len() + buried == report.frames[0].fall.unwrap().lying as usize);
-    let lowest = |blade: &Vec<[[f64; 3]; 3]>| blade.iter().flatten().map(|p| p[1]).fold(f64::INFINITY, f64::min);
+    let lowest =
+        |blade: &Vec<[[f64; 3]; 3]>| blade.iter().flatten().map(|p| p[1] - ground(p)).fold(f64::INFINITY, f64::min);
     assert!(blades.iter().all(|blade| lowest(blade) > -1e-3));
     // those that do not lie on the ground, by the cubes of 2 mm about their points
     let cube = |p: &[f64; 3]| p.map(|metres| (metres / 2e-3).floor() as i64);

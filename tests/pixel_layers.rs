@@ -81,6 +81,35 @@ fn the_ground_is_as_far_as_its_plane_and_faces_up() {
 }
 
 #[test]
+fn uneven_ground_is_as_far_as_its_heights_say() {
+    // A slope that rises away from a level camera 3 m up: height 0.1 (6 - z) where it is a plane, with its normal (0, 10, 1).
+    let row = |z: i32| format!("[{}]", vec![format!("{}", 0.1 * f64::from(6 - z)); 12].join(","));
+    let heights = (-6..6).map(|number| row(2 * number)).collect::<Vec<_>>().join(",");
+    let heights = format!("ground.heights=[{heights}]");
+    let camera = ["camera.position=[3, 3, 5]", "camera.target=[3, 3, 0]", "camera.field_of_view=40", "ground.step=2.0"];
+    let layers = layers(&[&camera[..], &[heights.as_str()]].concat());
+    let focal = 32.0 / leafseason::base::maths::tan(f64::to_radians(20.0));
+    let mut seen = 0;
+    for y in [44u32, 50, 56, 60] {
+        // Rows lie at z = 2 n + 1 about the middle: the plane is 0.1 (7 - z).
+        let depths = [0.0, 1.0].map(|edge| {
+            let fall = (f64::from(y) - 32.0 + edge) / focal;
+            // 3 - fall d = 0.1 (7 - (5 - d)) at a distance d along the axis.
+            1000.0 * 2.8 / (fall + 0.1)
+        });
+        let place = (y * 96 + 48) as usize;
+        let found = f64::from(layers.depth[place]);
+        if layers.leaf[place] == 0 && depths[0] < 9000.0 {
+            assert!(found <= depths[0] + 3.0 && found >= depths[1] - 3.0, "row {y}: {found} of {depths:?}");
+            let [_, up, near] = layers.normal[place].map(|code| (f64::from(code) - 128.0) / 127.0);
+            assert!((near / up - 0.1).abs() < 0.02, "{:?}", layers.normal[place]);
+            seen += 1;
+        }
+    }
+    assert!(seen >= 2, "{seen} places");
+}
+
+#[test]
 fn unit_normals_face_the_eye() {
     let layers = layers(&["camera.position=[0, 1, 9]", "camera.target=[0, 1, 0]", "camera.field_of_view=30"]);
     for normal in layers.normal.iter().zip(&layers.leaf).filter(|(_, leaf)| **leaf > 0).map(|(normal, _)| normal) {

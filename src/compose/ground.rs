@@ -28,7 +28,7 @@ const HAZE: f64 = 18_000.0;
 pub(super) fn ground(texture: u32, cover: Vec<Instance>, turbidity: f64, is_grass: bool) -> Ground {
     let blades = if is_grass { 1.0 } else { 0.0 };
     let haze = (HAZE / turbidity) as f32;
-    Ground { texture, tile: TILE, haze, wood: None, blades, dormant: 0.0, feet: Vec::new(), cover }
+    Ground { texture, tile: TILE, haze, wood: None, blades, dormant: 0.0, feet: Vec::new(), is_uneven: false, cover }
 }
 
 /// The feet of a stand's trunks, metres.

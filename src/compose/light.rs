@@ -106,7 +106,8 @@ pub(super) struct Circle {
     pub towards: f64,
     /// Widest reach.
     pub radius: f64,
-    /// Highest point.
+    /// Its foot and its highest point, above the ground that the eye is told from.
+    pub foot: f64,
     pub height: f64,
 }
 
@@ -117,7 +118,7 @@ pub(super) fn fitted(crowns: &[Circle], eye: f64, field_of_view: f64, aspect: f6
     let angles = |distance: f64| {
         let of = |crown: &Circle| {
             let gap = distance - crown.towards;
-            let low = libm::atan2(-eye, gap - crown.radius * 0.2);
+            let low = libm::atan2(crown.foot - eye, gap - crown.radius * 0.2);
             let high = libm::atan2(crown.height - eye, gap - crown.radius * 0.3);
             (low, high)
         };
@@ -192,7 +193,7 @@ mod tests {
 
     #[test]
     fn a_fitted_view_holds_the_tree() {
-        let tree = Circle { aside: 0.0, towards: 0.0, radius: 3.5, height: 9.0 };
+        let tree = Circle { aside: 0.0, towards: 0.0, radius: 3.5, foot: 0.0, height: 9.0 };
         let (distance, tilt) = fitted(&[tree], 1.6, 0.5, 16.0 / 9.0, 0.82);
         let top = tan(libm::atan2(9.0 - 1.6, distance) - tilt) / tan(0.25);
         let base = tan(libm::atan2(-1.6, distance) - tilt) / tan(0.25);
@@ -202,7 +203,7 @@ mod tests {
 
     #[test]
     fn a_fitted_view_holds_every_tree_of_a_row_and_a_near_one() {
-        let tree = |aside: f64, towards: f64| Circle { aside, towards, radius: 3.0, height: 8.0 };
+        let tree = |aside: f64, towards: f64| Circle { aside, towards, radius: 3.0, foot: 0.0, height: 8.0 };
         let row: Vec<Circle> = (-5..=5).map(|k| tree(f64::from(k) * 8.0, 0.0)).chain([tree(0.0, 30.0)]).collect();
         let (distance, _) = fitted(&row, 1.6, 0.35, 16.0 / 9.0, 0.84);
         for crown in &row {

@@ -22,7 +22,7 @@ const LYING_BEND: f64 = 0.06;
 /// How much of its height a flat leaf keeps.
 const FLATTENED: f32 = 0.2;
 /// Reflectance of a leaf that has browned where it lies over that of a brown one that hangs: dusty and rained on (judged).
-const DULLER: [f32; 3] = [0.70, 0.84, 1.20];
+const DULLER: [f32; 3] = [0.62, 0.75, 1.00];
 /// Reflectance of a flat leaf over that of a brown one: wet, and greyed as its tannins are washed out (judged).
 const DARKER: [f32; 3] = [0.56, 0.66, 0.88];
 /// How far above its rest on bare ground a flight ends, metres: what lies there has to be cleared.

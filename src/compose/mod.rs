@@ -19,6 +19,7 @@ mod inset;
 mod leaf_area;
 mod light;
 mod litter;
+mod meadow;
 mod petiole;
 pub mod picture_inset;
 mod specimen;
@@ -41,9 +42,9 @@ pub use view::turned;
 
 use crate::base::mesh::Mesh;
 use crate::base::random::{Purpose, Stream};
-use crate::base::vector::{Affine, DVec3, Mat3, Vec3};
+use crate::base::vector::{Affine, Mat3, Vec3};
 use crate::colour::Painted;
-use crate::fall::{HeightMap, Litter, Shape, Stalk};
+use crate::fall::{Litter, Shape, Stalk};
 use crate::frame::{Frame, Instance, Material, Model, Part, Texture};
 use crate::scene::{Scene, Species, camera::Subject, ground::Cover, image::Backdrop, image::Leaves};
 use crate::tree::LeafSite;
@@ -183,74 +184,6 @@ impl Stock {
             self.wood.push(self.models.len() as u32);
             self.models.push(Model { name, parts });
         }
-    }
-
-    fn add_ground(&mut self, scene: &Scene, stand: &Stand) {
-        let is_grass = scene.ground.kind == Cover::Grass;
-        let texture = self.push_texture(ground::texture(scene.seed, is_grass));
-        let is_open = scene.image.background == Backdrop::Sky;
-        let cover = if is_grass && is_open { self.add_grass(scene, stand) } else { Vec::new() };
-        let mut ground = ground::ground(texture, cover, scene.light.turbidity, is_grass);
-        ground.feet = ground::feet(stand);
-        if let Some(map) = stand.heights.as_ref().filter(|_| is_open) {
-            self.uneven(map, &mut ground);
-        }
-        if is_open && scene.ground.wood {
-            let slots = ["wood_form", "wood_crowns"].map(|name| self.push_texture(wood_edge::placeholder(name)));
-            ground.wood = Some(wood_edge::wood(slots[0], slots[1]));
-            let pixel = view::field_of_view(scene) / f64::from(scene.image.height);
-            self.wood_edge = Some(wood_edge::Edge::new(scene.seed, slots, pixel));
-        }
-        self.ground = Some(ground);
-    }
-
-    /// Gives the ground its heights.
-    fn uneven(&mut self, map: &HeightMap, ground: &mut crate::frame::Ground) {
-        ground.cover.iter_mut().for_each(|grass| grass.transform = terrain::laid(map, grass.transform));
-        let matte = Material::matte("ground", [1.0; 3]);
-        let material = self.push_material(Material { reflected: Some(ground.texture), is_ground: true, ..matte });
-        let part = Part { material, mesh: self.push_mesh(Arc::new(terrain::mesh(map, ground.tile))) };
-        self.models.push(Model { name: "ground".to_owned(), parts: vec![part] });
-        let model = self.models.len() as u32 - 1;
-        ground.cover.push(Instance { model, transform: Affine::identity(), leaf: None });
-    }
-
-    /// Blades of grass at the trees' feet and before the camera.
-    fn add_grass(&mut self, scene: &Scene, stand: &Stand) -> Vec<Instance> {
-        let palette = self.push_texture(sward::palette());
-        let material =
-            self.push_material(Material { reflected: Some(palette), ..Material::matte(sward::NAME, [1.0; 3]) });
-        let mut model = |name: &str, mesh: Mesh| self.push_model(name, mesh, material);
-        let (foot, meadow) = (model("sward", sward::mesh(scene.seed)), model("meadow", sward::meadow(scene.seed)));
-        let ring = model("sward_ring", sward::ring(scene.seed));
-        let camera = turned(scene, 0, view::camera(scene, stand));
-        let eye: DVec3 = camera.position.cast();
-        let aspect = f64::from(scene.image.width) / f64::from(scene.image.height);
-        let half = libm::atan(libm::tan(f64::from(camera.field_of_view) * 0.5) * aspect);
-        // A camera on its way around sees all sides.
-        let half = if scene.camera.turn == 0.0 { half } else { std::f64::consts::PI };
-        let trees: Vec<[f64; 2]> = stand.trees.iter().map(|(_, tree)| tree.place).collect();
-        let at_feet =
-            sward::places(&trees).into_iter().map(|transform| Instance { model: foot, transform, leaf: None });
-        let before = sward::meadow_places(eye.into(), view::axis(&camera).into(), half);
-        let about = sward::ring_places(&ground::feet(stand)).into_iter();
-        let about = about.map(|transform| Instance { model: ring, transform, leaf: None });
-        let flowers = self.add_flowers(scene.seed, &before);
-        let before = before.into_iter().map(|transform| Instance { model: meadow, transform, leaf: None });
-        at_feet.chain(about).chain(before).chain(flowers).collect()
-    }
-
-    /// Flowers on some of the meadow's patches.
-    fn add_flowers(&mut self, seed: u64, patches: &[Affine]) -> Vec<Instance> {
-        let mut cover = Vec::new();
-        for (number, kind) in (0..).zip(&flowers::KINDS) {
-            let material = self.push_material(Material::matte(kind.name, kind.colour));
-            let model = self.push_model(kind.name, flowers::mesh(seed, number), material);
-            self.flowers.insert(model);
-            let places = flowers::places(seed, number, patches).into_iter();
-            cover.extend(places.map(|transform| Instance { model, transform, leaf: None }));
-        }
-        cover
     }
 
     /// A model of one mesh in one material.

@@ -61,9 +61,19 @@ pub(super) fn field_of_view(scene: &Scene) -> f64 {
 
 /// The camera of a frame of the scene: turned around its target as the scene says and as the frames before it make it.
 #[must_use]
-pub fn turned(scene: &Scene, frame: i64, camera: Camera) -> Camera {
+pub fn turned(scene: &Scene, stand: &Stand, frame: i64, camera: Camera) -> Camera {
     let turn = scene.camera.orbit + scene.camera.turn * frame as f64 / scene.time.count().max(1.0);
-    if turn == 0.0 { camera } else { orbited(camera, turn) }
+    if turn == 0.0 {
+        return camera;
+    }
+    let mut turned = orbited(camera, turn);
+    // A fitted camera is led over uneven ground.
+    if stand.heights.is_some() && scene.camera.position.is_none() {
+        let place = [f64::from(turned.position.x), f64::from(turned.position.z)];
+        let least = stand.ground_height(place) + LEAST_EYE * scene.camera.eye_height;
+        turned.position.y = turned.position.y.max(least as f32);
+    }
+    turned
 }
 
 /// A camera moved around the vertical through its target, degrees; from above counter-clockwise.
@@ -79,17 +89,18 @@ pub(super) fn camera(scene: &Scene, stand: &Stand) -> Camera {
     let aspect = f64::from(scene.image.width) / f64::from(scene.image.height);
     let height = stand.height().max(0.2);
     let [x, z] = middle(stand);
+    // On uneven ground the fitted camera stands as high as the trees do, but above the ground.
+    let base = stand.trees.iter().map(|(_, tree)| tree.height).sum::<f64>() / stand.trees.len().max(1) as f64;
     let circle = |(form, standing): (&super::Form, &crate::scene::Standing)| Circle {
         aside: standing.place[0] - x,
         towards: standing.place[1] - z,
         radius: form.crown_radius.max(0.1),
-        height: form.height.max(0.2),
+        foot: standing.height - base,
+        height: standing.height - base + form.height.max(0.2),
     };
     let circles: Vec<Circle> = stand.standing().map(circle).collect();
     let eye = scene.camera.eye_height.min(height * 0.6);
     let (distance, tilt) = fitted(&circles, eye, field_of_view, aspect, scene.camera.fill);
-    // On uneven ground the fitted camera stands as high as the trees do, but above the ground.
-    let base = stand.ground_height([x, z]);
     let above = (stand.ground_height([x, z + distance]) + LEAST_EYE * eye).max(base + eye);
     let position = scene.camera.position.map_or(DVec3::new(x, above, z + distance), DVec3::from);
     let fitted_target = if scene.camera.position.is_some() {

@@ -217,13 +217,18 @@ impl<'a> Bed<'a> {
             let [x, z] = [point[0], point[2]].map(|metres| f64::from(metres) * leaf.scale);
             points.push([x, z, f64::from(self.met(leaf, axes.turned(*point)))]);
         }
-        let [_, a, b] = support(points, slope(STEEPEST), ACCURACY);
-        let size = DVec2::new(a, b).norm();
-        if size < 1e-6 {
+        // It leans against the ground's own slope.
+        let ground = self.ground.heights.as_ref().map_or_else(DVec2::zeros, |map| {
+            let up = yaw.inverse() * map.normal(leaf.place);
+            DVec2::new(-up.x, -up.z) / up.y
+        });
+        let [_, a, b] = support(points, slope(STEEPEST) + ground.norm(), ACCURACY);
+        let leant = DVec2::new(a, b) - ground;
+        if leant.norm() < 1e-6 && self.ground.heights.is_none() {
             return UnitQuaternion::identity();
         }
-        let part = (slope(STEEPEST) / size).min(1.0);
-        let normal = yaw * DVec3::new(-a * part, 1.0, -b * part);
+        let leant = ground + leant * (slope(STEEPEST) / leant.norm().max(1e-12)).min(1.0);
+        let normal = yaw * DVec3::new(-leant.x, 1.0, -leant.y);
         UnitQuaternion::rotation_between(&DVec3::y(), &normal).unwrap_or_else(UnitQuaternion::identity)
     }
 

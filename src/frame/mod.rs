@@ -214,6 +214,8 @@ pub struct Ground {
     pub dormant: f32,
     /// The feet of trunks: x, z and radius, metres. They keep light off the ground about them.
     pub feet: Vec<[f32; 3]>,
+    /// Whether the cover holds the ground's own surface: the level ground then lies behind all that stands.
+    pub is_uneven: bool,
     /// Models that belong to the ground: grass, and itself where it is uneven. They cast no shadow.
     pub cover: Vec<Instance>,
 }

@@ -79,7 +79,12 @@ mod tests {
             for words in
                 ["", "a", "\u{0}\n ", "words that are by far too long for so few pixels, but are written all the same"]
             {
-                assert_eq!(labelled(width, height, [9; 4], words).pixels.len(), (width * height) as usize);
+                let picture = labelled(width, height, [9; 4], words);
+                // The margins stay as they were.
+                assert!(
+                    (0..height).all(|y| width < 24 || picture.at(width - 1, y) == [9; 4]),
+                    "{width} x {height}: {words}"
+                );
             }
         }
         assert_eq!(labelled(80, 60, [9; 4], ""), Picture::filled(80, 60, [9; 4]));

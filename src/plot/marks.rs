@@ -5,7 +5,7 @@ use super::letters::{Point, glyph, strokes};
 /// Letters, the font's own below each, and the mark's strokes as it stands over a small letter of the middle's width.
 #[rustfmt::skip]
 const MARKED: &[(&str, &str, &str)] = &[
-    ("äëïöüÿÄËÏÖÜ", "aeıouyAEIOU", "4g 4h;8g 8h"),
+    ("äëïöüÿÄËÏÖÜŸ", "aeıouyAEIOUY", "4g 4h;8g 8h"),
     ("áéíóúýćńśźÁÉÍÓÚÝĆŃŚŹ", "aeıouycnszAEIOUYCNSZ", "5g 8j"),
     ("àèìòùÀÈÌÒÙ", "aeıouAEIOU", "7g 4j"),
     ("âêîôûÂÊÎÔÛ", "aeıouAEIOU", "3g 6j 9g"),

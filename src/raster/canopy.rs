@@ -55,6 +55,8 @@ pub(super) struct Canopy {
     low: Vec3,
     size: f32,
     counts: [usize; 3],
+    /// Height of the ground, metres.
+    floor: f32,
     cells: Vec<Cell>,
     /// Light from all sides but the sun's straight beam.
     ambient: Vec<Ambient>,
@@ -96,8 +98,10 @@ impl Canopy {
         let mut leaves = frame.standing().iter().filter(|i| i.leaf.is_some()).map(|i| i.transform.translation);
         let first = leaves.next()?;
         let (low, high) = leaves.fold((first, first), |(low, high), p| (low.inf(&p), high.sup(&p)));
-        // The volume reaches down to the ground, where the crown's shade falls.
-        let low = Vec3::new(low.x, low.y.min(0.0), low.z);
+        // The volume reaches down to the ground, where the crown's shade falls: to the lowest foot of a tree.
+        let feet = frame.standing().iter().filter(|i| i.leaf.is_none()).map(|i| i.transform.translation.y);
+        let floor = feet.reduce(f32::min).unwrap_or(0.0);
+        let low = Vec3::new(low.x, low.y.min(floor), low.z);
         let extent = high - low;
         let size = match largest_of_several(frame, meshes) {
             Some(tree) => bounded((tree / CELLS).max(0.05), extent),
@@ -107,7 +111,7 @@ impl Canopy {
         let counts = ((high - low) / size).map(|cells| cells.ceil() as usize + 3);
         let counts = [counts.x, counts.y, counts.z];
         let cells = vec![Cell::default(); counts.iter().product()];
-        Some(Self { low, size, counts, cells, ambient: Vec::new() })
+        Some(Self { low, size, counts, floor, cells, ambient: Vec::new() })
     }
 
     fn fill(&mut self, frame: &Frame, meshes: &[Arc<ClusteredMesh>], textures: &[Arc<MipMap>]) {
@@ -193,7 +197,7 @@ impl Canopy {
     fn cells_along(&self, from: Vec3, direction: Vec3) -> impl Iterator<Item = usize> {
         let longest = self.counts.iter().sum::<usize>();
         let point = move |step: usize| from + direction * ((step as f32 + 0.5) * self.size);
-        (0..longest).map(point).take_while(|point| point.y >= 0.0).map_while(|point| self.cell_at(point))
+        (0..longest).map(point).take_while(|point| point.y >= self.floor).map_while(|point| self.cell_at(point))
     }
 
     /// The sun's beam at a cell.
@@ -362,8 +366,14 @@ mod tests {
     fn canopy(density: f32, scattering: f32) -> Canopy {
         let counts = [17usize; 3];
         let low = Vec3::new(-4.25, 2.0, -4.25);
-        let mut canopy =
-            Canopy { low, size: 0.5, counts, cells: vec![Cell::default(); 17 * 17 * 17], ambient: Vec::new() };
+        let mut canopy = Canopy {
+            low,
+            size: 0.5,
+            counts,
+            floor: 0.0,
+            cells: vec![Cell::default(); 17 * 17 * 17],
+            ambient: Vec::new(),
+        };
         for (x, (y, z)) in (3..14).flat_map(|x| (3..14).flat_map(move |y| (3..14).map(move |z| (x, (y, z))))) {
             let index = canopy.index([x, y, z]);
             canopy.cells[index] =

@@ -38,7 +38,7 @@ pub struct Drawing {
 /// What most samples of a pixel show.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Site {
-    /// Number of the instance in the frame, counted on into the ground's cover; none for sky and ground.
+    /// Number of the instance in the frame, counted on into the ground's cover; none for the sky and level ground.
     pub instance: Option<u32>,
     /// Distance along the viewing axis, metres; infinite for the sky.
     pub depth: f32,

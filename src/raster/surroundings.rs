@@ -218,8 +218,11 @@ impl Prepared<'_> {
         let detail = if near > 0.0 { texture.sample(place / ground.tile, footprint) } else { mean };
         // Where even a tuft that is drawn out is shorter than a pixel it would be a weave of the lattice and the pixels.
         let drawn = 1.0 - smooth_step(0.6 * LONGEST, 1.6 * LONGEST, 0.5 / slope.max(1e-4));
-        let upright =
-            if ground.blades > 0.0 && drawn > 0.0 { self.tufts(place, octave) * ground.blades * drawn } else { 0.0 };
+        let upright = if ground.blades > 0.0 && drawn > 0.0 {
+            self.tufts(place, octave, spot.distance * slope) * ground.blades * drawn
+        } else {
+            0.0
+        };
         // A tuft hides what lies behind it, so patches end in tufts: what is seen lies nearer by its height over the slope.
         let seen = place - self.atmosphere.ahead * (upright * TALL * ground.blades / slope.max(1e-3));
         let [middle, small] = [(4.3, 4), (1.15, 3)].map(|(size, salt)| patches(seen / size, salt, long / size));
@@ -238,15 +241,15 @@ impl Prepared<'_> {
 
     /// Noise of tufts that stand upright: each hides what lies behind it for as far as it is high over the slope of the look, so
     /// on the ground it is drawn out away from the eye, by as much as at the distance where its size is that of a pixel. Two sizes
-    /// are mixed as the distance grows, so that it is never lost and each stays where it is.
-    fn tufts(&self, place: Vec2, octave: f32) -> f32 {
+    /// are mixed as the distance grows, so that it is never lost and each stays where it is. The eye is `over` metres over the ground.
+    fn tufts(&self, place: Vec2, octave: f32, over: f32) -> f32 {
         let ahead = self.atmosphere.ahead;
         let (along, across) = (place.dot(&ahead), place.x * ahead.y - place.y * ahead.x);
         let level = (octave.max(0.0) as i32).min(20);
         let of = |level: i32| {
             let times = (1i32 << level) as f32;
-            let drawn_out = (0.5 * times * FINEST * self.projection.pixels_per_metre / self.projection.eye.y.max(0.1))
-                .clamp(1.0, LONGEST);
+            let drawn_out =
+                (0.5 * times * FINEST * self.projection.pixels_per_metre / over.max(0.1)).clamp(1.0, LONGEST);
             let size = 2.5 * FINEST * times;
             // A slant of its own keeps the lattice's rows from lying along the picture's.
             let (u, v) = (across / size, along / (size * drawn_out));

@@ -221,7 +221,7 @@ impl<const S: usize> Workspace<S> {
             let depth = 1.0 / self.nearest.nearness[place][sample];
             sites[place] = match self.nearest.owner[place][sample] {
                 SKY => Site::default(),
-                GROUND => Site { depth, normal: Vec3::y(), ..Site::default() },
+                GROUND => Site { depth: depth * level_nearness(prepared), normal: Vec3::y(), ..Site::default() },
                 owner => {
                     let Seen { visible, triangle } = self.seen[owner as usize];
                     let visible = &self.visible[visible as usize];
@@ -290,6 +290,12 @@ pub(super) fn plain(frame: &frame::Frame) -> Option<[f32; 3]> {
     }
 }
 
+/// How near the level ground is taken to be, over how near it is: it lies behind uneven ground, which has hollows below it.
+fn level_nearness(prepared: &Prepared) -> f32 {
+    let is_uneven = prepared.frame.ground.as_ref().is_some_and(|ground| ground.is_uneven);
+    if is_uneven { 1e-4 } else { 1.0 }
+}
+
 /// The ground as a plane at height 0, whose nearness is linear over the picture; the sky above the horizon.
 fn background(prepared: &Prepared, corner: Corner) -> Background {
     let projection = prepared.projection;
@@ -303,7 +309,8 @@ fn background(prepared: &Prepared, corner: Corner) -> Background {
     let (right, down) = (axes[(0, 1)] * scale, axes[(1, 1)] * scale);
     let (x, y) = (corner.x as f32 - projection.centre[0], corner.y as f32 - projection.centre[1]);
     let at = right * x + down * y - axes[(2, 1)] / projection.eye.y;
-    Background { at, right, down, owner: GROUND, beyond: SKY }
+    let near = level_nearness(prepared);
+    Background { at: at * near, right: right * near, down: down * near, owner: GROUND, beyond: SKY }
 }
 
 /// Gathers the samples of a pixel by what they show: a cluster is shaded once, at the middle of its samples. `middle` is the

@@ -81,7 +81,7 @@ impl Still {
         let trees = stock.frame(scene, stand, &worn);
         let leaf = (scene.camera.subject == Subject::Leaf).then(|| stock.specimen(scene, &worn, &trees));
         let mut frame = leaf.flatten().unwrap_or(trees);
-        frame.camera = compose::turned(scene, self.index, frame.camera);
+        frame.camera = compose::turned(scene, stand, self.index, frame.camera);
         let frame = match &self.falls {
             Some(falls) if plan.has("fall") => stock.strewn(scene, stand, falls, frame).0,
             _ => frame,

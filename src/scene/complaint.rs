@@ -14,7 +14,7 @@ pub fn of_scene(scene: &Scene) -> Vec<(String, Complaint)> {
     take("camera", camera::check(&scene.camera));
     take("light", light::check(&scene.light));
     take("image", image::check(&scene.image));
-    take("output", output::check(&scene.output, &scene.image));
+    take("output", output::check(&scene.output, &scene.image, &scene.ground));
     take("ground", ground::check(&scene.ground));
     take("fall", fall::check(&scene.fall));
     for (entry, planted) in scene.trees.iter().enumerate() {

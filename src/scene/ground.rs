@@ -25,7 +25,7 @@ settings! {
         /// Whether a wood closes it off in the distance.
         wood: bool = true;
         /// Heights of uneven ground in metres, row by row from the far side to the near as the default camera sees them, each row from
-        /// left to right, about the place in the middle. Smooth between them, level at 0 around them. glTF files hold no ground.
+        /// left to right, about the place in the middle. Smooth between them, level at 0 around them. They cast no shadow, and glTF files hold no ground.
         heights: Vec<Vec<f64>> = Vec::new(), unit "m";
         /// Distance between heights.
         step: f64 = 4.0, unit "m", range 0.25 => 100.0;

@@ -1,5 +1,6 @@
 //! Which files are written for each frame.
 
+use super::ground::Ground;
 use super::image::Image;
 use crate::base::settings::Complaint;
 use crate::{choice, settings};
@@ -55,7 +56,7 @@ settings! {
 }
 
 /// What is wrong with well-typed outputs of a picture.
-pub fn check(output: &Output, image: &Image) -> Vec<Complaint> {
+pub fn check(output: &Output, image: &Image, ground: &Ground) -> Vec<Complaint> {
     let mut complaints = Vec::new();
     if ![8, 16].contains(&output.bits) {
         complaints.push(Complaint::new("bits", format!("{} bits have no PNG", output.bits), "write 8 or 16"));
@@ -70,6 +71,14 @@ pub fn check(output: &Output, image: &Image) -> Vec<Complaint> {
     if output.bits == 16 && !image.label.is_empty() {
         let help = "write output.bits = 8, or take image.label away";
         complaints.push(Complaint::new("bits", "a label is written into pictures of 8 bits only", help));
+    }
+    if output.ground_shadow && !ground.heights.is_empty() {
+        let help = "take one of the two away";
+        complaints.push(Complaint::new(
+            "ground_shadow",
+            "the shadow's layer is for level ground, here are ground.heights",
+            help,
+        ));
     }
     if output.exr && !cfg!(feature = "exr") {
         let help = "build it with `--features exr`, or take the key away";

@@ -40,7 +40,7 @@ const COLUMNS: [&str; 17] = [
 const BUDGET: f64 = 2.0;
 /// Errors in pixels that levels of detail may make, tried with the default samples.
 const LOD_ERRORS: [f32; 6] = [0.0, 0.1, 0.3, 0.6, 1.2, 2.4];
-/// By more than this share another row must be better in both error and work to beat the defaults: less is chance.
+/// By more than this share another row must be better in both error and work to beat the defaults: less nobody would see or save.
 const NOTICED: f64 = 0.01;
 /// Sides by which references are enlarged, the one and another that it is held against: 4,096 and 2,304 samples in a pixel.
 const SIDES: [u32; 2] = [16, 12];

@@ -44,7 +44,7 @@ impl Run<'_> {
                 let trees = stock.frame(scene, stand, &worn);
                 let leaf = (scene.camera.subject == Subject::Leaf).then(|| stock.specimen(scene, &worn, &trees));
                 let mut frame = leaf.flatten().unwrap_or(trees);
-                frame.camera = compose::turned(scene, index, frame.camera);
+                frame.camera = compose::turned(scene, stand, index, frame.camera);
                 let instances = frame.instances.len() as u64;
                 Ok::<_, Diagnostics>((frame, Figures::of(instances)))
             })?;
