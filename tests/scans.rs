@@ -34,11 +34,11 @@ fn truth_of(scan: &Path) -> Option<Truth> {
 }
 
 fn traced(picture: &Picture, truth: Option<&Truth>, vertices: u32) -> (Traced, Figures) {
-    traced_as(picture, truth, Settings { vertices, ..Settings::default() })
+    traced_as(picture, truth, &Settings { vertices, ..Settings::default() })
 }
 
-fn traced_as(picture: &Picture, truth: Option<&Truth>, settings: Settings) -> (Traced, Figures) {
-    leaf::traced(&settings, picture, truth, &Limits::default()).unwrap()
+fn traced_as(picture: &Picture, truth: Option<&Truth>, settings: &Settings) -> (Traced, Figures) {
+    leaf::traced(settings, picture, truth, &Limits::default()).unwrap()
 }
 
 fn read(path: &Path) -> Picture {
@@ -94,7 +94,7 @@ fn real_scans_have_even_meshes() {
     for (name, path) in shared(false) {
         let picture = read(&path);
         let even = Settings { vertices: 1000, joint_edges: 1.0, ..Settings::default() };
-        let (_, figures) = traced_as(&picture, None, even);
+        let (_, figures) = traced_as(&picture, None, &even);
         // Finer about the joint they have as many vertices and no worse angles.
         let (_, graded) = traced(&picture, None, 1000);
         assert!(figure(&graded, "min_angle_deg") >= 33.0 && figure(&graded, "q_mean") >= 0.975, "{name}: {graded:?}");

@@ -136,6 +136,7 @@ fn material(name: &str, texture: u32, transmission: f32) -> Material {
         roughness: 0.5,
         two_sided: is_leaf,
         unlit: false,
+        is_ground: false,
     }
 }
 
