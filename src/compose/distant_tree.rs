@@ -70,7 +70,7 @@ pub(super) struct Stroke {
 }
 
 impl Stroke {
-    fn new([from, to]: [[f64; 2]; 2], widths: [f64; 2], depth: f64) -> Self {
+    pub(super) fn new([from, to]: [[f64; 2]; 2], widths: [f64; 2], depth: f64) -> Self {
         let single = |pair: [f64; 2]| pair.map(|value| value as f32);
         Self { from: single(from), to: single(to), widths: single(widths), depth: depth as f32 }
     }

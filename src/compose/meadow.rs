@@ -4,9 +4,9 @@ use super::{Stand, Stock, flowers, ground, sward, terrain, turned, view, wood_ed
 use crate::base::mesh::Mesh;
 use crate::base::vector::{Affine, DVec3};
 use crate::fall::HeightMap;
-use crate::frame::{Instance, Material, Model, Part};
+use crate::frame::{Instance, Material};
 use crate::scene::{Scene, ground::Cover, image::Backdrop};
-use std::sync::Arc;
+use std::collections::BTreeMap;
 
 impl Stock {
     /// Adds the ground.
@@ -32,14 +32,16 @@ impl Stock {
     /// Gives the ground its heights.
     fn uneven(&mut self, map: &HeightMap, ground: &mut crate::frame::Ground) {
         ground.cover.iter_mut().for_each(|grass| grass.transform = terrain::laid(map, grass.transform));
-        ground.cover.retain(|grass| terrain::lies(map, &grass.transform, self.reach(grass.model)));
+        let mut reaches = BTreeMap::new();
+        ground.cover.retain(|grass| {
+            let reach = *reaches.entry(grass.model).or_insert_with(|| self.reach(grass.model));
+            terrain::lies(map, &grass.transform, reach)
+        });
         ground.is_uneven = true;
         // Both sides: an eye may be led below it.
         let matte = Material { two_sided: true, ..Material::matte("ground", [1.0; 3]) };
         let material = self.push_material(Material { reflected: Some(ground.texture), is_ground: true, ..matte });
-        let part = Part { material, mesh: self.push_mesh(Arc::new(terrain::mesh(map, ground.tile))) };
-        self.models.push(Model { name: "ground".to_owned(), parts: vec![part] });
-        let model = self.models.len() as u32 - 1;
+        let model = self.push_model("ground", terrain::mesh(map, ground.tile), material);
         ground.cover.push(Instance { model, transform: Affine::identity(), leaf: None });
     }
 

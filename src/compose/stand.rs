@@ -60,9 +60,12 @@ impl Stand {
         Self { forms, trees, leaf_ids, heights: None }
     }
 
-    /// The same on ground of these heights.
+    /// The same trees standing on ground of these heights.
     #[must_use]
-    pub fn on(self, heights: Option<Arc<HeightMap>>) -> Self {
+    pub fn on(mut self, heights: Option<Arc<HeightMap>>) -> Self {
+        if let Some(map) = &heights {
+            self.trees.iter_mut().for_each(|(_, tree)| tree.height = map.at(tree.place.into()));
+        }
         Self { heights, ..self }
     }
 

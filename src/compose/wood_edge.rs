@@ -2,7 +2,7 @@
 //! light that wrap at the rim, as fine as a picture shows them. The colours, and which leaves still hang, are left to who draws
 //! the picture.
 
-use super::distant_tree::{Form, Tree};
+use super::distant_tree::{Form, Stroke, Tree};
 use super::foliage_relief::Relief;
 use super::wood_canvas::{Canvas, Grid, Mark};
 use crate::base::maths::{expf, mix, sin};
@@ -199,12 +199,7 @@ fn stem(seed: u64, number: u64) -> Mark {
     let height = random.range(6.0, 12.0);
     let lean = 0.5 * random.normal().clamp(-2.0, 2.0);
     let widths = [random.range(0.10, 0.28), 0.03];
-    Mark::Twig(super::distant_tree::Stroke {
-        from: [x as f32, 0.0],
-        to: [(x + lean) as f32, height as f32],
-        widths: widths.map(|width| width as f32),
-        depth: -30.0,
-    })
+    Mark::Twig(Stroke::new([[x, 0.0], [x + lean, height]], widths, -30.0))
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@
 
 use super::atmosphere::{Ambient, Atmosphere, directions, steps};
 use super::cluster::ClusteredMesh;
-use super::texture::MipMap;
+use super::texture::{MipMap, optics};
 use crate::base::maths::expf;
 use crate::base::vector::Vec3;
 use crate::frame::{Frame, Material};
@@ -349,12 +349,7 @@ fn bounded(size: f32, extent: Vec3) -> f32 {
 
 /// Mean reflectance plus transmittance, and mean transmittance, of a material.
 fn mean_optics(material: &Material, textures: &[Arc<MipMap>]) -> ([f32; 3], [f32; 3]) {
-    let mean = |factor: [f32; 3], texture: Option<u32>| -> [f32; 3] {
-        let colour = texture.map_or([1.0; 3], |number| textures[number as usize].mean());
-        std::array::from_fn(|k| factor[k] * colour[k])
-    };
-    let reflected = mean(material.colour, material.reflected);
-    let transmitted = mean(material.transmission, material.transmitted);
+    let (reflected, transmitted) = optics(material, textures);
     (std::array::from_fn(|k| reflected[k] + transmitted[k]), transmitted)
 }
 

@@ -2,11 +2,11 @@
 //! the frame's sun and sky, in the colours of the frame's own foliage; scenery that casts no shadow.
 
 use super::Prepared;
-use super::texture::MipMap;
+use super::texture::{MipMap, optics};
 use crate::base::maths::{acosf, atan2f, expf, mix, smooth_step};
 use crate::base::noise::Lattice;
 use crate::base::vector::{Vec2, Vec3};
-use crate::frame::{Frame, Material, Wood};
+use crate::frame::{Frame, Wood};
 use std::f32::consts::PI;
 use std::sync::Arc;
 
@@ -166,14 +166,6 @@ fn mean_of(frame: &Frame, textures: &[Arc<MipMap>], counts: &[u64]) -> ([f32; 3]
         }
     }
     sums
-}
-
-fn optics(material: &Material, textures: &[Arc<MipMap>]) -> ([f32; 3], [f32; 3]) {
-    let mean = |factor: [f32; 3], texture: Option<u32>| -> [f32; 3] {
-        let colour = texture.map_or([1.0; 3], |number| textures[number as usize].mean());
-        std::array::from_fn(|k| factor[k] * colour[k])
-    };
-    (mean(material.colour, material.reflected), mean(material.transmission, material.transmitted))
 }
 
 /// A ray towards the horizon.

@@ -125,7 +125,7 @@ impl Prepared<'_> {
         let way = position - self.projection.eye;
         let distance = way.norm();
         let spot = Spot { position, distance, ray: way / distance.max(1e-6), normal };
-        self.seen(&spot, &self.light(&spot, ground), self.patches(&spot), salt)
+        self.seen(&spot, &self.spot_light(&spot, ground), self.spot_patches(&spot), salt)
     }
 
     /// Radiance of a spot of the ground in its light and its patches.
@@ -164,10 +164,10 @@ impl Prepared<'_> {
     /// The light on the ground at a point of the picture, and the air before it.
     pub(super) fn ground_light(&self, at: [f32; 2]) -> GroundLight {
         let Some(ground) = &self.frame.ground else { return GroundLight::default() };
-        self.light(&self.on_ground(at), ground)
+        self.spot_light(&self.on_ground(at), ground)
     }
 
-    fn light(&self, spot: &Spot, ground: &Ground) -> GroundLight {
+    fn spot_light(&self, spot: &Spot, ground: &Ground) -> GroundLight {
         let Spot { position, distance, ray, normal } = *spot;
         let share = self.atmosphere.sun_share();
         let facing = self.frame.sun.direction.dot(&normal).max(0.0);
@@ -188,10 +188,10 @@ impl Prepared<'_> {
     /// Wide patches in the ground, which do not repeat: how light it is, how dry and how worn (both with 1 added, so that what
     /// counts as even is told from 1), and the octave of tufts that pixels show.
     pub(super) fn ground_patches(&self, at: [f32; 2]) -> [f32; 4] {
-        self.patches(&self.on_ground(at))
+        self.spot_patches(&self.on_ground(at))
     }
 
-    fn patches(&self, spot: &Spot) -> [f32; 4] {
+    fn spot_patches(&self, spot: &Spot) -> [f32; 4] {
         let place = Vec2::new(spot.position.x, spot.position.z);
         let pixel = spot.distance / self.projection.pixels_per_metre;
         let long = pixel / spot.slope().max(1e-3);

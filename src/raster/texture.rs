@@ -3,7 +3,8 @@
 use crate::base::encoding::linear_values;
 use crate::base::maths::floor_to_i32;
 use crate::base::vector::Vec2;
-use crate::frame::Texture;
+use crate::frame::{Material, Texture};
+use std::sync::Arc;
 
 /// Largest stored value of a texel.
 const FULL: f32 = 65535.0;
@@ -246,6 +247,15 @@ impl Level {
         }
         sum
     }
+}
+
+/// Mean reflectance and transmittance of a material.
+pub(super) fn optics(material: &Material, textures: &[Arc<MipMap>]) -> ([f32; 3], [f32; 3]) {
+    let mean = |factor: [f32; 3], texture: Option<u32>| -> [f32; 3] {
+        let colour = texture.map_or([1.0; 3], |number| textures[number as usize].mean());
+        std::array::from_fn(|k| factor[k] * colour[k])
+    };
+    (mean(material.colour, material.reflected), mean(material.transmission, material.transmitted))
 }
 
 #[cfg(test)]

@@ -76,7 +76,7 @@ pub struct Standing {
     pub key: u64,
     /// Where its trunk meets the ground: x and z, metres.
     pub place: [f64; 2],
-    /// Height of the ground there, metres.
+    /// Height of the ground there, metres; 0 until it is known what it stands on.
     pub height: f64,
     /// Turn about the vertical, degrees.
     pub turn: f64,
@@ -154,11 +154,7 @@ impl Scene {
     /// # Errors
     /// A grove in which there is not room for all.
     pub fn standing(&self) -> Result<Vec<Standing>, Crowded> {
-        let mut standing = plant(&self.trees, self.seed)?;
-        if let Some(map) = self.ground.map() {
-            standing.iter_mut().for_each(|tree| tree.height = map.at(tree.place.into()));
-        }
-        Ok(standing)
+        plant(&self.trees, self.seed)
     }
 }
 

@@ -1,6 +1,7 @@
 //! The blade on a grid of cells, on which what the mask says is smoothed and differentiated: lengths here belong to the blade,
 //! so that the tissue is the same whatever the mesh. All lengths are in extents of the blade.
 
+use super::tissue::closed;
 use crate::base::flat_mesh::FlatMesh;
 use crate::base::maths::exp;
 use crate::base::vector::{DVec2, Vec2};
@@ -74,8 +75,8 @@ impl Chart {
         self.inside.fill(0.0);
         let mut crossings = vec![Vec::new(); self.height];
         for line in lines {
-            let at = |p: &DVec2| (p / extent - self.origin) * CELLS;
-            for (a, b) in line.iter().zip(line.iter().cycle().skip(1)).map(|(a, b)| (at(a), at(b))) {
+            let at = |p: DVec2| (p / extent - self.origin) * CELLS;
+            for [a, b] in closed(line).map(|side| side.map(at)) {
                 let (low, high) = if a.y < b.y { (a, b) } else { (b, a) };
                 // Rows whose middles the side passes: from its lower end on, up to its upper one.
                 let row = |y: f64| y.ceil().clamp(0.0, self.height as f64) as usize;

@@ -188,7 +188,7 @@ fn rim(mesh: &FlatMesh) -> Vec<[DVec2; 2]> {
 }
 
 /// The sides of a closed line.
-fn closed(line: &[DVec2]) -> impl Iterator<Item = [DVec2; 2]> + '_ {
+pub(super) fn closed(line: &[DVec2]) -> impl Iterator<Item = [DVec2; 2]> + '_ {
     line.iter().zip(line.iter().cycle().skip(1)).map(|(&a, &b)| [a, b])
 }
 
