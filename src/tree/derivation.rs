@@ -27,7 +27,7 @@ pub(super) fn derive(grammar: &Grammar, settings: &Settings, seed: u64, limits: 
     let mut shedding = Shedding::new(settings);
     for step in 1..=steps {
         rewriter.step(step, steps)?;
-        if shedding.due(step, steps) {
+        if settings.shade > 0.0 {
             shedding.shed(&mut rewriter.next)?;
         }
     }

@@ -126,7 +126,8 @@ impl Grid {
         }
     }
 
-    /// The share of the sky that each cell with leaves sees; 1 for the others, which nobody asks.
+    /// The share of the sky that each cell with leaves sees; 1 for the others, which nobody asks. A leaf stands behind all
+    /// leaves of its own cell too: shoots that crowd shade each other most, and where they are thinned the rest stand evenly.
     fn sky(&self, depth: f64) -> Vec<f64> {
         let rays: Vec<Ray> = rays().iter().map(|&(direction, weight)| Ray::new(direction, weight, self.size)).collect();
         let total: f64 = rays.iter().map(|ray| ray.weight).sum();
@@ -134,8 +135,10 @@ impl Grid {
         let seen = |cell: usize| {
             let place = [cell % width, cell / width / breadth, cell / width % breadth];
             let through = |ray: &Ray| {
-                let leaves =
-                    ray.cells_from(place).iter().fold(0.0, |sum, step| sum + self.leaves[cell.wrapping_add(*step)]);
+                let leaves = ray
+                    .cells_from(place)
+                    .iter()
+                    .fold(self.leaves[cell], |sum, step| sum + self.leaves[cell.wrapping_add(*step)]);
                 ray.weight * exp(-(leaves / (self.cell * self.cell)) / depth)
             };
             rays.iter().map(through).sum::<f64>() / total

@@ -1,12 +1,12 @@
 //! Shedding while the tree grows: the string is drawn, shoots in the shade are found, and what they were made of is taken out
 //! of the string, so that dead wood never branches on and costs nothing.
+//!
+//! It is done each year. Every other year would make crowns of even and odd ages differ: the leaf area index of a maple then
+//! swung by a third from one year to the next.
 
 use super::modules::{Module, Modules};
 use super::turtle::Drawing;
 use super::{Settings, TreeError, shade, turtle};
-
-/// Years between two sheddings; a shoot outlives its light for about so long.
-const INTERVAL: u32 = 2;
 
 /// What sheds; the drawing is kept for its memory.
 pub(super) struct Shedding<'a> {
@@ -17,12 +17,6 @@ pub(super) struct Shedding<'a> {
 impl<'a> Shedding<'a> {
     pub fn new(settings: &'a Settings) -> Self {
         Self { settings, drawing: Drawing::default() }
-    }
-
-    /// Whether shoots are shed after this step of `steps`. Counted from the first, so that a tree one year older has the same
-    /// past.
-    pub fn due(&self, step: u32, steps: u32) -> bool {
-        self.settings.shade > 0.0 && (step.is_multiple_of(INTERVAL) || step == steps)
     }
 
     /// Takes leaves in the shade out of the string, and wood that bears no leaf with everything on it. A string without any
