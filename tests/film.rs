@@ -6,7 +6,7 @@ use leafseason::frame::{
     Background, Camera, Frame, Ground, Instance, Material, Model, Part, Sky, Sun, Texture, ToneMap, UNBALANCED, View,
     Wood,
 };
-use leafseason::raster::{Renderer, draw};
+use leafseason::raster::{Renderer, Wanted, draw};
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [512, 384];
@@ -46,8 +46,11 @@ fn place(number: usize) -> [f32; 2] {
 
 /// Leaves over a meadow with fallen ones before a wood, in the sun.
 fn frame() -> Frame {
-    let leaf =
-        |name: &str| Material { transmission: [0.1, 0.3, 0.05], two_sided: true, ..Material::matte(name, [0.3, 0.4, 0.1]) };
+    let leaf = |name: &str| Material {
+        transmission: [0.1, 0.3, 0.05],
+        two_sided: true,
+        ..Material::matte(name, [0.3, 0.4, 0.1])
+    };
     let red = Material { colour: [0.5, 0.1, 0.1], ..leaf("red") };
     let materials = vec![leaf("green"), red, leaf("litter"), leaf("grass")];
     let model = |material: u32| Model { name: format!("model_{material}"), parts: vec![Part { mesh: 0, material }] };
@@ -200,4 +203,15 @@ fn a_frame_drawn_apart_does_not_come_between() {
     let figures = renderer.draw(&first).1;
     let kept = figures.values.get("tiles_kept").and_then(serde_json::Value::as_u64);
     assert!(kept.is_some_and(|kept| kept > 0));
+}
+
+#[test]
+fn what_is_wanted_beside_the_picture_is_not_missing_where_tiles_are_kept() {
+    let first = frame();
+    let mut renderer = Renderer::default();
+    let _ = renderer.draw(&first);
+    let wanted = Wanted { sites: true, radiance: true, ..Wanted::default() };
+    let (found, expected) = (renderer.draw_wanted(&first, wanted), Renderer::default().draw_wanted(&first, wanted));
+    assert!(found.picture == expected.picture && found.sites == expected.sites && found.radiance == expected.radiance);
+    assert_eq!(found.sites.len() as u32, SIZE[0] * SIZE[1]);
 }

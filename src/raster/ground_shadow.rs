@@ -1,7 +1,7 @@
 //! The shadow on level ground as a layer of its own, to be laid under a picture that has no ground.
 
-use super::{Prepared, Shared};
 use super::samples::{SUBPIXEL, pattern};
+use super::{Prepared, Shared};
 use crate::base::encoding::luminance;
 use crate::base::random::hash;
 use crate::base::vector::Vec3;

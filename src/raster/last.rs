@@ -6,11 +6,11 @@ use super::bins::{Bins, Item};
 use super::canopy::Canopy;
 use super::cluster::ClusteredMesh;
 use super::distant_wood::Palette;
+use super::drawn::Drawn;
 use super::reads::Reads;
 use super::shadow::ShadowMap;
 use super::texture::MipMap;
 use super::tile::Pixels;
-use super::drawn::Drawn;
 use super::{Shared, of_surroundings};
 use crate::frame::{Background, Camera, Frame, Ground, Material, Model, Sky, Sun, View, Wood};
 use std::sync::Arc;
@@ -51,7 +51,7 @@ struct Season {
 pub(super) struct Last {
     scenery: Scenery,
     season: Season,
-    instances: Drawn,
+    instances: Arc<Drawn>,
     models: Vec<Model>,
     materials: Vec<Material>,
     meshes: Vec<Arc<ClusteredMesh>>,
@@ -91,7 +91,7 @@ impl Scenery {
             ..*ground
         });
         let textures = of_surroundings(frame).map(|number| textures[number as usize].clone()).collect();
-        Self { camera: *camera, sun: *sun, sky: sky.clone(), background: *background, view: *view, ground, textures }
+        Self { camera: *camera, sun: *sun, sky: *sky, background: *background, view: *view, ground, textures }
     }
 
     fn is_same(&self, other: &Self) -> bool {
@@ -122,7 +122,7 @@ impl Last {
         Self {
             scenery: Scenery::of(frame, &textures),
             season: Season::of(frame, &atmosphere.wood),
-            instances: instances.clone(),
+            instances,
             models: frame.models.clone(),
             materials: frame.materials.clone(),
             meshes,
@@ -164,7 +164,8 @@ impl Last {
 impl Same<'_> {
     /// Whether a cluster is the same at the same place; `salt` if what its instance is known by counts too.
     fn item(&self, now: &Item, then: &Item, salt: bool) -> bool {
-        let (one, other) = (&self.instances.all[now.instance as usize], &self.last.instances.all[then.instance as usize]);
+        let (one, other) =
+            (&self.instances.all[now.instance as usize], &self.last.instances.all[then.instance as usize]);
         let places = |item: &Item| (item.mesh, item.level, item.cluster, item.material);
         places(now) == places(then)
             && is(&self.meshes, now.mesh)

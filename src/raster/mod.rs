@@ -73,7 +73,7 @@ pub use tone::developed;
 struct Shared<'a> {
     frame: &'a Frame,
     /// What is drawn: the frame's instances, then the ground's.
-    instances: &'a Drawn,
+    instances: Arc<Drawn>,
     meshes: Vec<Arc<ClusteredMesh>>,
     textures: Vec<Arc<MipMap>>,
     atmosphere: Atmosphere,
@@ -129,41 +129,60 @@ impl Renderer {
         let view = frame.view;
         let meshes = self.meshes(frame);
         let projection = Projection::camera(&frame.camera, view.width, view.height);
-        let instances = Drawn::of(frame);
+        let instances = Arc::new(Drawn::of(frame));
         let lod_error = if view.wireframe.is_some() { 0.0 } else { view.lod_error };
         let bins = Bins::new(frame, &instances.all, &meshes, &projection, [view.width, view.height], lod_error);
         let textures = self.textures(frame, &halvings(frame, &meshes, &bins));
         let atmosphere = Atmosphere::new(frame, &textures);
         let tone = Tone::new(&view);
-        let last = self.last.take();
+        // Tiles that hold more than their colours are not kept; lines tell the instances of the ground by their numbers.
+        let is_kept = !wanted.sites && !wanted.radiance && view.wireframe.is_none();
+        let last = self.last.take().filter(|_| is_kept);
         let same = last.as_ref().and_then(|last| last.same(frame, &instances, (&meshes, &textures)));
         let canopy = same.as_ref().and_then(|same| same.canopy(frame));
         let canopy = canopy.unwrap_or_else(|| Canopy::new(frame, &meshes, &textures, &atmosphere).map(Arc::new));
         let shadow = ShadowMap::new(frame, &meshes, same.as_ref()).map(Arc::new);
-        let shared =
-            Shared { frame, instances: &instances, meshes, textures, atmosphere, canopy, shadow, projection, tone, wanted };
+        let shared = Shared {
+            frame,
+            instances: instances.clone(),
+            meshes,
+            textures,
+            atmosphere,
+            canopy,
+            shadow,
+            projection,
+            tone,
+            wanted,
+        };
         let tiles = match samples::at_once(view.samples) {
             1 => draw_tiles::<1>(&shared, &bins, same.as_ref()),
             4 => draw_tiles::<4>(&shared, &bins, same.as_ref()),
             8 => draw_tiles::<8>(&shared, &bins, same.as_ref()),
             _ => draw_tiles::<16>(&shared, &bins, same.as_ref()),
         };
-        let size = [view.width as usize, view.height as usize];
-        let pixels = layers::assembled(size, bins.columns, &tiles, |tile| &tile.colours);
-        let picture = Picture { width: view.width, height: view.height, pixels };
-        let only = |is_wanted: bool| if is_wanted { size } else { [0; 2] };
-        let sites = layers::assembled(only(wanted.sites), bins.columns, &tiles, |tile| &tile.sites);
-        let radiance = layers::assembled(only(wanted.radiance), bins.columns, &tiles, |tile| &tile.radiance);
-        let error: f64 = tiles.iter().map(|tile| tile.pixels.squared_error).sum();
-        let drawn: u64 = bins.items.iter().map(|item| item.cluster_in(&shared.meshes).triangles.len() as u64).sum();
         let kept = same.as_ref().map_or(0, |same| same.kept(&tiles));
-        let figures = figures(&shared, error).with("triangles_drawn", drawn).with("lod_error_px", lod_error);
-        let figures = figures.with("tiles_kept", kept);
-        let ground_shadow = if wanted.ground_shadow { shared.ground_shadow() } else { Vec::new() };
-        // Larger tiles are not kept, and lines tell the instances of the ground by their numbers.
-        let is_kept = !wanted.sites && !wanted.radiance && view.wireframe.is_none();
+        let mut drawing = drawing(&shared, &bins, &tiles);
+        drawing.figures = drawing.figures.with("lod_error_px", lod_error).with("tiles_kept", kept);
         self.last = is_kept.then(|| Last::of(shared, bins, tiles));
-        Drawing { picture, sites, radiance, ground_shadow, figures }
+        drawing
+    }
+}
+
+/// What was drawn, put together of its tiles.
+fn drawing(shared: &Shared, bins: &Bins, tiles: &[Arc<DrawnTile>]) -> Drawing {
+    let Shared { frame, wanted, .. } = shared;
+    let (width, height) = (frame.view.width, frame.view.height);
+    let size = [width as usize, height as usize];
+    let pixels = layers::assembled(size, bins.columns, tiles, |tile| &tile.colours);
+    let only = |is_wanted: bool| if is_wanted { size } else { [0; 2] };
+    let error: f64 = tiles.iter().map(|tile| tile.pixels.squared_error).sum();
+    let drawn: u64 = bins.items.iter().map(|item| item.cluster_in(&shared.meshes).triangles.len() as u64).sum();
+    Drawing {
+        picture: Picture { width, height, pixels },
+        sites: layers::assembled(only(wanted.sites), bins.columns, tiles, |tile| &tile.sites),
+        radiance: layers::assembled(only(wanted.radiance), bins.columns, tiles, |tile| &tile.radiance),
+        ground_shadow: if wanted.ground_shadow { shared.ground_shadow() } else { Vec::new() },
+        figures: figures(shared, error).with("triangles_drawn", drawn),
     }
 }
 

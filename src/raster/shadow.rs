@@ -24,8 +24,8 @@ const TAPS: usize = 12;
 const SUN_RADIUS: f32 = 0.004_63;
 /// Different turns of the taps.
 const TURNS: usize = 64;
-/// Texels along one side of a block.
-const BLOCK: usize = 16;
+/// Texels along one side of a block: about as wide as what is searched for the edge of a shadow.
+const BLOCK: usize = 8;
 /// Blocks along one side of a tile.
 const BLOCKS: usize = SIDE / BLOCK;
 /// Turn between successive taps of a Vogel spiral (the golden angle).
