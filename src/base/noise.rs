@@ -50,7 +50,13 @@ impl Lattice {
     }
 
     fn wrapped(&self, x: i64, y: i64) -> [i64; 2] {
-        let wrap = |place: i64, period: i64| if period > 0 { place.rem_euclid(period) } else { place };
+        // Nearly all that is asked for lies within the first repeat, where no division is needed.
+        let is_within = |place: i64, period: i64| (place as u64) < period as u64;
+        let wrap = |place: i64, period: i64| match period {
+            0 => place,
+            _ if is_within(place, period) => place,
+            _ => place.rem_euclid(period),
+        };
         [wrap(x, self.periods[0]), wrap(y, self.periods[1])]
     }
 

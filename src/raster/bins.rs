@@ -102,6 +102,14 @@ impl Bins {
         Self { columns, rows, items, tiles }
     }
 
+    /// Whether a tile, by its number, holds the same items in the same order as it does in other bins.
+    pub(super) fn holds_as(&self, other: &Self, tile: usize, is_same: impl Fn(&Item, &Item) -> bool) -> bool {
+        let (Some(these), Some(others)) = (self.tiles.get(tile), other.tiles.get(tile)) else { return false };
+        let items =
+            |(this, other_one): (&u32, &u32)| is_same(&self.items[*this as usize], &other.items[*other_one as usize]);
+        these.len() == others.len() && these.iter().zip(others).all(items)
+    }
+
     /// The items of a tile, nearest first, ties by number.
     pub(super) fn tile(&self, column: usize, row: usize) -> &[u32] {
         &self.tiles[row * self.columns + column]

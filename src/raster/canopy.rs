@@ -280,18 +280,24 @@ impl Canopy {
         self.size
     }
 
-    /// The light from all sides at a point; far outside the volume that of the open.
-    pub(super) fn ambient(&self, at: Vec3, atmosphere: &Atmosphere) -> Ambient {
+    /// Whether another has its cells in the same places.
+    pub(super) fn has_extent_of(&self, other: &Self) -> bool {
+        let extent = |canopy: &Self| (canopy.low, canopy.size, canopy.counts);
+        extent(self) == extent(other)
+    }
+
+    /// The light from all sides at a point; none far outside the volume, where it is that of the open.
+    pub(super) fn ambient(&self, at: Vec3, atmosphere: &Atmosphere) -> Option<Ambient> {
         let outside = self.distance_outside(at) / (3.0 * self.size);
         if outside >= 1.0 {
-            return atmosphere.open;
+            return None;
         }
         let mut ambient = Ambient::default();
         for (index, weight) in self.corners(at) {
             ambient.add_weighted(&self.ambient[index], weight * (1.0 - outside));
         }
         ambient.add_weighted(&atmosphere.open, outside);
-        ambient
+        Some(ambient)
     }
 
     fn distance_outside(&self, at: Vec3) -> f32 {

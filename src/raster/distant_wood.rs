@@ -53,7 +53,7 @@ const STEPS: usize = 64;
 type Optics = ([f32; 3], [f32; 3]);
 
 /// Reflectance and transmittance of the crowns of a season, and how many of the leaves have fallen.
-#[derive(Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Palette {
     /// By the kind of tree, evenly from 0 to 1.
     kinds: Vec<Optics>,
@@ -188,6 +188,7 @@ impl Prepared<'_> {
         if height > wood.height {
             return behind;
         }
+        self.reads.borrow_mut().wood = true;
         let around = atan2f(-direction.x, -direction.z) / (2.0 * PI) + 0.5;
         let look = Look { direction, around, slope, pixel: 1.0 / self.projection.pixels_per_metre };
         let free = above_hem(around, height, look.pixel * wood.distance);

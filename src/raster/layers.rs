@@ -1,11 +1,13 @@
 //! What a drawing holds beside its picture: what is seen in each pixel, how far it is, which way it faces and what it belongs
 //! to, and its light.
 
+use super::last::DrawnTile;
 use super::tile::{Pixels, SIDE};
 use crate::base::figures::Figures;
 use crate::base::picture::Picture;
 use crate::base::vector::Vec3;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// What is wanted of a frame beside its picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,12 +59,12 @@ impl Default for Site {
 pub(super) fn assembled<T: Copy + Send + Sync>(
     [width, height]: [usize; 2],
     columns: usize,
-    tiles: &[Pixels],
+    tiles: &[Arc<DrawnTile>],
     of: impl Fn(&Pixels) -> &[T] + Sync,
 ) -> Vec<T> {
     let row = |y: usize| {
         let tiles = &tiles[y / SIDE * columns..][..columns];
-        let row = tiles.iter().flat_map(|tile| of(tile)[y % SIDE * SIDE..][..SIDE].iter().copied());
+        let row = tiles.iter().flat_map(|tile| of(&tile.pixels)[y % SIDE * SIDE..][..SIDE].iter().copied());
         row.take(width).collect::<Vec<T>>()
     };
     (0..height).into_par_iter().flat_map_iter(row).collect()

@@ -35,7 +35,7 @@ pub(super) fn metered(frame: &Frame, renderer: &mut Renderer) -> Frame {
 
 /// The geometric mean of the luminance of a frame's picture.
 fn mean(frame: &Frame, renderer: &mut Renderer) -> f32 {
-    let picture = renderer.draw(frame).0;
+    let picture = renderer.draw_apart(frame);
     let linear = linear_values();
     let luminance = |pixel: &[u8; 4]| encoding::luminance([0, 1, 2].map(|k| linear[usize::from(pixel[k])]));
     // The darkest code but one bounds what black counts for.

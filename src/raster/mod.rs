@@ -21,12 +21,15 @@ mod contest;
 mod coverage;
 mod distant_wood;
 mod draw;
+mod drawn;
 mod even;
 mod ground_shadow;
+mod last;
 mod layers;
 mod metering;
 mod projection;
 mod quadric;
+mod reads;
 mod renderer;
 mod rooms;
 mod samples;
@@ -43,15 +46,20 @@ mod wireframe;
 
 use crate::base::figures::{ErrorFigure, Figures};
 use crate::base::picture::Picture;
-use crate::frame::{Frame, Instance};
+use crate::frame::Frame;
 use atmosphere::Atmosphere;
 use bins::Bins;
 use canopy::Canopy;
 use cluster::ClusteredMesh;
+use drawn::Drawn;
+use last::{DrawnTile, Last, Same};
 use projection::Projection;
 use rayon::prelude::*;
+use reads::Reads;
 use rooms::Rooms;
 use shadow::ShadowMap;
+use std::cell::RefCell;
+use std::ops::Deref;
 use std::sync::Arc;
 use texture::MipMap;
 use tile::Workspace;
@@ -62,18 +70,38 @@ pub use renderer::Renderer;
 pub use tone::developed;
 
 /// Everything the tiles read: made once a frame.
-struct Prepared<'a> {
+struct Shared<'a> {
     frame: &'a Frame,
     /// What is drawn: the frame's instances, then the ground's.
-    instances: Vec<Instance>,
+    instances: Arc<Drawn>,
     meshes: Vec<Arc<ClusteredMesh>>,
     textures: Vec<Arc<MipMap>>,
     atmosphere: Atmosphere,
-    canopy: Option<Canopy>,
-    shadow: Option<ShadowMap>,
+    canopy: Option<Arc<Canopy>>,
+    shadow: Option<Arc<ShadowMap>>,
     projection: Projection,
     tone: Tone,
     wanted: Wanted,
+}
+
+/// The same for one task, which notes what it reads.
+struct Prepared<'a> {
+    shared: &'a Shared<'a>,
+    reads: RefCell<Reads>,
+}
+
+impl<'a> Prepared<'a> {
+    fn new(shared: &'a Shared<'a>) -> Self {
+        Self { shared, reads: RefCell::default() }
+    }
+}
+
+impl<'a> Deref for Prepared<'a> {
+    type Target = Shared<'a>;
+
+    fn deref(&self) -> &Shared<'a> {
+        self.shared
+    }
 }
 
 /// Draws a frame by itself; see [`Renderer::draw`].
@@ -101,34 +129,60 @@ impl Renderer {
         let view = frame.view;
         let meshes = self.meshes(frame);
         let projection = Projection::camera(&frame.camera, view.width, view.height);
-        let cover = frame.ground.iter().flat_map(|ground| &ground.cover);
-        let instances: Vec<Instance> = frame.instances.iter().chain(cover).copied().collect();
+        let instances = Arc::new(Drawn::of(frame));
         let lod_error = if view.wireframe.is_some() { 0.0 } else { view.lod_error };
-        let bins = Bins::new(frame, &instances, &meshes, &projection, [view.width, view.height], lod_error);
+        let bins = Bins::new(frame, &instances.all, &meshes, &projection, [view.width, view.height], lod_error);
         let textures = self.textures(frame, &halvings(frame, &meshes, &bins));
         let atmosphere = Atmosphere::new(frame, &textures);
-        let canopy = Canopy::new(frame, &meshes, &textures, &atmosphere);
-        let shadow = ShadowMap::new(frame, &meshes);
         let tone = Tone::new(&view);
-        let prepared =
-            Prepared { frame, instances, meshes, textures, atmosphere, canopy, shadow, projection, tone, wanted };
-        let tiles: Vec<tile::Pixels> = match samples::at_once(view.samples) {
-            1 => draw_tiles::<1>(&prepared, &bins),
-            4 => draw_tiles::<4>(&prepared, &bins),
-            8 => draw_tiles::<8>(&prepared, &bins),
-            _ => draw_tiles::<16>(&prepared, &bins),
+        // Tiles that hold more than their colours are not kept; lines tell the instances of the ground by their numbers.
+        let is_kept = !wanted.sites && !wanted.radiance && view.wireframe.is_none();
+        let last = self.last.take().filter(|_| is_kept);
+        let same = last.as_ref().and_then(|last| last.same(frame, &instances, (&meshes, &textures)));
+        let canopy = same.as_ref().and_then(|same| same.canopy(frame));
+        let canopy = canopy.unwrap_or_else(|| Canopy::new(frame, &meshes, &textures, &atmosphere).map(Arc::new));
+        let shadow = ShadowMap::new(frame, &meshes, same.as_ref()).map(Arc::new);
+        let shared = Shared {
+            frame,
+            instances: instances.clone(),
+            meshes,
+            textures,
+            atmosphere,
+            canopy,
+            shadow,
+            projection,
+            tone,
+            wanted,
         };
-        let size = [view.width as usize, view.height as usize];
-        let pixels = layers::assembled(size, bins.columns, &tiles, |tile| &tile.colours);
-        let picture = Picture { width: view.width, height: view.height, pixels };
-        let only = |is_wanted: bool| if is_wanted { size } else { [0; 2] };
-        let sites = layers::assembled(only(wanted.sites), bins.columns, &tiles, |tile| &tile.sites);
-        let radiance = layers::assembled(only(wanted.radiance), bins.columns, &tiles, |tile| &tile.radiance);
-        let error: f64 = tiles.iter().map(|pixels| pixels.squared_error).sum();
-        let drawn: u64 = bins.items.iter().map(|item| item.cluster_in(&prepared.meshes).triangles.len() as u64).sum();
-        let figures = figures(&prepared, error).with("triangles_drawn", drawn).with("lod_error_px", lod_error);
-        let ground_shadow = if wanted.ground_shadow { prepared.ground_shadow() } else { Vec::new() };
-        Drawing { picture, sites, radiance, ground_shadow, figures }
+        let tiles = match samples::at_once(view.samples) {
+            1 => draw_tiles::<1>(&shared, &bins, same.as_ref()),
+            4 => draw_tiles::<4>(&shared, &bins, same.as_ref()),
+            8 => draw_tiles::<8>(&shared, &bins, same.as_ref()),
+            _ => draw_tiles::<16>(&shared, &bins, same.as_ref()),
+        };
+        let kept = same.as_ref().map_or(0, |same| same.kept(&tiles));
+        let mut drawing = drawing(&shared, &bins, &tiles);
+        drawing.figures = drawing.figures.with("lod_error_px", lod_error).with("tiles_kept", kept);
+        self.last = is_kept.then(|| Last::of(shared, bins, tiles));
+        drawing
+    }
+}
+
+/// What was drawn, put together of its tiles.
+fn drawing(shared: &Shared, bins: &Bins, tiles: &[Arc<DrawnTile>]) -> Drawing {
+    let Shared { frame, wanted, .. } = shared;
+    let (width, height) = (frame.view.width, frame.view.height);
+    let size = [width as usize, height as usize];
+    let pixels = layers::assembled(size, bins.columns, tiles, |tile| &tile.colours);
+    let only = |is_wanted: bool| if is_wanted { size } else { [0; 2] };
+    let error: f64 = tiles.iter().map(|tile| tile.pixels.squared_error).sum();
+    let drawn: u64 = bins.items.iter().map(|item| item.cluster_in(&shared.meshes).triangles.len() as u64).sum();
+    Drawing {
+        picture: Picture { width, height, pixels },
+        sites: layers::assembled(only(wanted.sites), bins.columns, tiles, |tile| &tile.sites),
+        radiance: layers::assembled(only(wanted.radiance), bins.columns, tiles, |tile| &tile.radiance),
+        ground_shadow: if wanted.ground_shadow { shared.ground_shadow() } else { Vec::new() },
+        figures: figures(shared, error).with("triangles_drawn", drawn),
     }
 }
 
@@ -162,10 +216,18 @@ fn of_plain_numbers(frame: &Frame) -> impl Iterator<Item = u32> {
     wood.chain(frame.sky.clouds.iter().map(|clouds| clouds.texture))
 }
 
-fn draw_tiles<const S: usize>(prepared: &Prepared, bins: &Bins) -> Vec<tile::Pixels> {
+/// The tiles of the picture: those of the last frame where nothing has changed, the others drawn.
+fn draw_tiles<const S: usize>(shared: &Shared, bins: &Bins, same: Option<&Same>) -> Vec<Arc<DrawnTile>> {
     let rooms = Rooms::new(Workspace::<S>::new);
+    let known = same.map(|same| same.tiles(shared, bins));
     let draw = |number: usize| {
-        rooms.with(|workspace| workspace.draw(prepared, bins, number % bins.columns, number / bins.columns))
+        if let Some(tile) = known.as_ref().and_then(|known| known(number)) {
+            return tile;
+        }
+        let prepared = Prepared::new(shared);
+        let (column, row) = (number % bins.columns, number / bins.columns);
+        let pixels = rooms.with(|workspace| workspace.draw(&prepared, bins, column, row));
+        Arc::new(DrawnTile { pixels, reads: prepared.reads.into_inner() })
     };
     // One tile at a time: a few hold most of the work, and no thread may be left with a long row of them.
     (0..bins.rows * bins.columns).into_par_iter().with_max_len(1).map(draw).collect()
@@ -174,13 +236,13 @@ fn draw_tiles<const S: usize>(prepared: &Prepared, bins: &Bins) -> Vec<tile::Pix
 /// The antialiasing error is estimated from the spread of the samples of each pixel: their variance over their number is
 /// the squared error that independent samples would have, an upper estimate for a stratified pattern. One sample has no
 /// spread, so nothing is claimed. Levels of detail add less: they keep within `lod_error_px` of the full mesh.
-fn figures(prepared: &Prepared, squared_error: f64) -> Figures {
+fn figures(prepared: &Shared, squared_error: f64) -> Figures {
     let frame = prepared.frame;
     let triangles_of = |model: u32| -> u64 {
         let parts = &frame.models[model as usize].parts;
         parts.iter().map(|part| frame.meshes[part.mesh as usize].triangles.len() as u64).sum()
     };
-    let triangles: u64 = prepared.instances.iter().map(|instance| triangles_of(instance.model)).sum();
+    let triangles: u64 = prepared.instances.all.iter().map(|instance| triangles_of(instance.model)).sum();
     let pixels = u64::from(frame.view.width) * u64::from(frame.view.height);
     let mut figures = Figures::of(pixels).with("triangles", triangles).with("samples", frame.view.samples);
     if frame.view.samples < 2 {

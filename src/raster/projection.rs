@@ -15,7 +15,7 @@ pub(super) enum Lens {
 }
 
 /// A view of the world in pixels from the upper left corner.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Projection {
     /// World to mapped coordinates, see [`Lens`].
     pub map: Affine,

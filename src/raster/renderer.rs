@@ -1,20 +1,24 @@
-//! What the frames of a run share: meshes cut and simplified, textures halved.
+//! What the frames of a run share: meshes cut and simplified, textures halved, tiles in which nothing changes.
 
 use super::cluster::ClusteredMesh;
+use super::last::Last;
 use super::of_plain_numbers;
 use super::texture::{Codes, MipMap};
 use crate::base::mesh::Mesh;
+use crate::base::picture::Picture;
 use crate::frame::{Frame, Texture};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Draws frame after frame, and keeps what a frame needs of meshes and textures for the next as long as someone else keeps
-/// them too.
+/// them too; what it drew last, as long as it draws.
 #[derive(Default)]
 pub struct Renderer {
     meshes: Shelf<Mesh, ClusteredMesh>,
     textures: Shelf<Texture, MipMap>,
+    /// The frame that was drawn last.
+    pub(super) last: Option<Last>,
 }
 
 /// Things made of others, found by where those lie in memory. That they are held here keeps the place theirs.
@@ -53,6 +57,15 @@ impl<From: Send + Sync, Made: Send + Sync> Shelf<From, Made> {
 }
 
 impl Renderer {
+    /// Draws a frame that is none of the run's: what is kept of the last of those stays.
+    #[must_use]
+    pub fn draw_apart(&mut self, frame: &Frame) -> Picture {
+        let last = self.last.take();
+        let picture = self.draw(frame).0;
+        self.last = last;
+        picture
+    }
+
     /// The meshes of a frame, cut into clusters.
     pub(super) fn meshes(&mut self, frame: &Frame) -> Vec<Arc<ClusteredMesh>> {
         self.meshes.all(&frame.meshes, |_, _| true, |_, mesh| ClusteredMesh::new(mesh))

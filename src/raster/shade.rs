@@ -35,7 +35,10 @@ struct Point {
 impl Prepared<'_> {
     /// Light from all sides at a point, without the sun's straight beam.
     pub(super) fn ambient(&self, at: Vec3) -> Ambient {
-        self.canopy.as_ref().map_or(self.atmosphere.open, |canopy| canopy.ambient(at, &self.atmosphere))
+        let within = self.canopy.as_ref().and_then(|canopy| canopy.ambient(at, &self.atmosphere));
+        let mut reads = self.reads.borrow_mut();
+        (reads.crowns, reads.open) = (reads.crowns || within.is_some(), reads.open || within.is_none());
+        within.unwrap_or(self.atmosphere.open)
     }
 
     /// Radius up to which the light from all sides is even over a leaf, metres.
@@ -45,7 +48,9 @@ impl Prepared<'_> {
 
     /// The share of the sun's disc that a point sees past what stands before it.
     pub(super) fn shade(&self, point: Vec3, normal: Vec3, salt: u64) -> f32 {
-        self.shadow.as_ref().map_or(1.0, |map| map.lit(point, normal, salt))
+        let mut reads = self.reads.borrow_mut();
+        reads.sun = true;
+        self.shadow.as_ref().map_or(1.0, |map| map.lit(point, normal, salt, &mut reads))
     }
 
     /// The sun's irradiance on a surface that faces it, after shadow.
@@ -90,7 +95,7 @@ impl<'a> Looks<'a> {
 /// Light from all sides at a point of an item. Over a leaf that is small against the cells that the light was gathered in it
 /// hardly changes, so that it is looked up once.
 fn ambient(prepared: &Prepared, item: &Item, visible: &mut Visible, point: &Point) -> Ambient {
-    let instance = &prepared.instances[item.instance as usize];
+    let instance = &prepared.instances.all[item.instance as usize];
     let cluster = item.cluster_in(&prepared.meshes);
     let scale = instance.transform.linear.column(0).norm();
     if instance.leaf.is_none() || cluster.radius * scale > prepared.ambient_detail() {
@@ -107,7 +112,7 @@ fn through_air(prepared: &Prepared, item: &Item, visible: &mut Visible, point: &
         return prepared.atmosphere.hazed(colour, point.position - eye);
     }
     let air = visible.air.get_or_insert_with(|| {
-        let transform = &prepared.instances[item.instance as usize].transform;
+        let transform = &prepared.instances.all[item.instance as usize].transform;
         let way = transform.point(item.cluster_in(&prepared.meshes).centre) - eye;
         prepared.atmosphere.air(way)
     });
@@ -204,7 +209,7 @@ fn lit(prepared: &Prepared, item: &Item, visible: &mut Visible, triangle: u16, a
 /// Finds the point of a triangle behind a point of the picture, by homogeneous barycentric coordinates (Olano and Greer
 /// 1997), which need no clipping.
 fn point(prepared: &Prepared, item: &Item, map: &Affine, triangle: u16, at: [f32; 2]) -> Point {
-    let instance = &prepared.instances[item.instance as usize];
+    let instance = &prepared.instances.all[item.instance as usize];
     let cluster = item.cluster_in(&prepared.meshes);
     let numbers = cluster.triangles[usize::from(triangle)].map(usize::from);
     let corners = numbers.map(|v| cluster.positions[v]);
@@ -230,7 +235,7 @@ fn point(prepared: &Prepared, item: &Item, map: &Affine, triangle: u16, at: [f32
     let footprint = distance / prepared.projection.pixels_per_metre * texels / (scale * slant.sqrt());
     let [p, q, r] = numbers.map(|v| cluster.uvs[v]);
     let uv = p * weights[0] + q * weights[1] + r * weights[2];
-    let salt = hash(item.instance.into(), (at[0] as u64) << 32 | at[1] as u64);
+    let salt = hash(prepared.instances.salt(item.instance), (at[0] as u64) << 32 | at[1] as u64);
     Point { position, normal, behind, uv, footprint, to_eye, salt }
 }
 
@@ -242,7 +247,7 @@ fn along(prepared: &Prepared, item: &Item, triangle: u16) -> [Vec3; 2] {
     let [t, u, v] = numbers.map(|v| cluster.uvs[v]);
     let (sides, [a, b]) = ([q - p, r - p], [u - t, v - t]);
     let doubled = a.x * b.y - a.y * b.x;
-    let linear = &prepared.instances[item.instance as usize].transform.linear;
+    let linear = &prepared.instances.all[item.instance as usize].transform.linear;
     let scale = linear.column(0).norm().max(1e-12);
     let unit = |v: Vec3| linear * (v.try_normalize(1e-20).unwrap_or_default() * doubled.signum()) / scale;
     [unit(sides[0] * b.y - sides[1] * a.y), unit(sides[0] * b.x - sides[1] * a.x)]

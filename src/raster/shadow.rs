@@ -4,7 +4,9 @@ use super::bins::Bins;
 use super::cluster::ClusteredMesh;
 use super::coverage::{Nearest, SIDE};
 use super::draw::{self, Corner, Placed, Scratch};
+use super::last::Same;
 use super::projection::{Projection, composed};
+use super::reads::Reads;
 use super::rooms::Rooms;
 use crate::base::maths::{floor_to_i32, sincosf};
 use crate::base::random::hash;
@@ -22,8 +24,8 @@ const TAPS: usize = 12;
 const SUN_RADIUS: f32 = 0.004_63;
 /// Different turns of the taps.
 const TURNS: usize = 64;
-/// Texels along one side of a block.
-const BLOCK: usize = 16;
+/// Texels along one side of a block: about as wide as what is searched for the edge of a shadow.
+const BLOCK: usize = 8;
 /// Blocks along one side of a tile.
 const BLOCKS: usize = SIDE / BLOCK;
 /// Turn between successive taps of a Vogel spiral (the golden angle).
@@ -33,10 +35,9 @@ const GOLDEN_ANGLE: f32 = 2.399_963;
 pub(super) struct ShadowMap {
     projection: Projection,
     size: usize,
-    /// Tiles in a row.
-    columns: usize,
+    bins: Bins,
     /// The tiles, row by row; empty where nothing stands.
-    tiles: Vec<Vec<f32>>,
+    tiles: Vec<Arc<[f32]>>,
     /// The largest nearness in each block of texels, row by row: where it is below a point's, nothing shades the point.
     nearest_in_blocks: Vec<f32>,
     /// Where the taps lie in a disc of radius 1, in each of their turns.
@@ -44,8 +45,9 @@ pub(super) struct ShadowMap {
 }
 
 impl ShadowMap {
-    /// Draws the map; `None` without sun, without instances or with a size of 0.
-    pub(super) fn new(frame: &Frame, meshes: &[Arc<ClusteredMesh>]) -> Option<Self> {
+    /// Draws the map, but for tiles that are the same in the map of the last frame; `None` without sun, without instances or with a
+    /// size of 0.
+    pub(super) fn new(frame: &Frame, meshes: &[Arc<ClusteredMesh>], same: Option<&Same>) -> Option<Self> {
         let size = frame.view.shadow_size as usize;
         let dark = frame.sun.irradiance.iter().all(|&e| e <= 0.0) || frame.sun.direction.y <= 0.0;
         if size == 0 || dark {
@@ -54,33 +56,49 @@ impl ShadowMap {
         let (centre, radius) = bounding_sphere(frame, meshes)?;
         let projection = Projection::parallel(-frame.sun.direction, centre, radius * 1.01, size as u32);
         let bins = Bins::new(frame, &frame.instances, meshes, &projection, [size as u32; 2], LOD_ERROR);
+        let last = same.and_then(|same| Some((same, same.shadow()?)));
+        let last = last.filter(|(_, map)| map.size == size && map.projection == projection);
         let rooms = Rooms::new(|| (Nearest::<1>::new(), Scratch::default()));
         let tile = |number: usize| {
+            let known = last.filter(|(same, map)| same.is_shadow_tile([&bins, &map.bins], number));
+            if let Some((_, map)) = known {
+                return map.tiles[number].clone();
+            }
             let (column, row) = (number % bins.columns, number / bins.columns);
             if bins.tile(column, row).is_empty() {
-                return Vec::new();
+                return Arc::from([]);
             }
             rooms.with(|(nearest, scratch)| {
                 draw_tile(nearest, scratch, (frame, meshes, &projection, &bins), column, row);
-                nearest.nearness.as_flattened().to_vec()
+                Arc::from(nearest.nearness.as_flattened())
             })
         };
-        let tiles: Vec<Vec<f32>> = (0..bins.rows * bins.columns).into_par_iter().with_max_len(1).map(tile).collect();
+        let tiles: Vec<Arc<[f32]>> = (0..bins.rows * bins.columns).into_par_iter().with_max_len(1).map(tile).collect();
         let nearest_in_blocks = nearest_in_blocks(&tiles, bins.columns);
-        Some(Self { projection, size, columns: bins.columns, tiles, nearest_in_blocks, turns: turns() })
+        Some(Self { projection, size, bins, tiles, nearest_in_blocks, turns: turns() })
+    }
+
+    /// The largest nearness, in either map, of what is not the same in each tile of another map of the same places; none where the
+    /// maps are not of the same places.
+    pub(super) fn changes(&self, other: &Self) -> Option<Vec<f32>> {
+        let is_alike = self.size == other.size && self.projection == other.projection;
+        let tiles = self.tiles.par_iter().zip(&other.tiles);
+        is_alike.then(|| tiles.map(|(now, then)| largest_change(now, then)).collect())
     }
 
     /// The lit share at a point of a surface with this unit normal; `salt` turns the taps, so that neighbouring pixels
-    /// do not repeat a pattern.
-    pub(super) fn lit(&self, point: Vec3, normal: Vec3, salt: u64) -> f32 {
+    /// do not repeat a pattern. What it takes is noted.
+    pub(super) fn lit(&self, point: Vec3, normal: Vec3, salt: u64, reads: &mut Reads) -> f32 {
         let texel = 1.0 / self.projection.pixels_per_metre;
         let lifted = point + normal * (1.5 * texel);
         let screen = self.projection.screen(self.projection.map.point(lifted));
         let nearness = screen.nearness + 0.5 * texel;
         let search = (4.0 * SUN_RADIUS * self.projection.pixels_per_metre).max(1.0);
+        self.note([screen.x, screen.y], search, nearness, reads);
         if !self.may_be_shaded([screen.x, screen.y], search, nearness) {
             return 1.0;
         }
+        reads.salt = true;
         let turned = &self.turns[hash(salt, 0) as usize % TURNS];
         let centre = [screen.x, screen.y];
         // A first look finds how far what casts the shadow is; that sets the penumbra of the second.
@@ -96,13 +114,26 @@ impl ShadowMap {
             return 1.0;
         }
         let radius = (gap / count * SUN_RADIUS * self.projection.pixels_per_metre).clamp(0.7, 40.0);
+        self.note(centre, radius, nearness, reads);
         let lit = turned.iter().filter(|tap| self.at(centre, tap, radius) <= nearness).count();
         lit as f32 / TAPS as f32
     }
 
+    /// Notes the tiles within `reach` texels of a place; beside the map, those at its rim.
+    #[inline(always)]
+    fn note(&self, [x, y]: [f32; 2], reach: f32, nearness: f32, reads: &mut Reads) {
+        let tile = |place: f32| ((place / SIDE as f32) as i32).clamp(0, self.bins.columns as i32 - 1) as usize;
+        let (left, right) = (tile(x - reach), tile(x + reach));
+        for row in tile(y - reach)..=tile(y + reach) {
+            for column in left..=right {
+                reads.note_shadow(row * self.bins.columns + column, nearness);
+            }
+        }
+    }
+
     /// Whether something nearer to the sun than `nearness` lies within `reach` texels of a place.
     fn may_be_shaded(&self, [x, y]: [f32; 2], reach: f32, nearness: f32) -> bool {
-        let width = self.columns * BLOCKS;
+        let width = self.bins.columns * BLOCKS;
         let block = |place: f32| ((place / BLOCK as f32) as i32).clamp(0, width as i32 - 1) as usize;
         let (columns, rows) = (block(x - reach)..=block(x + reach), block(y - reach)..=block(y + reach));
         rows.into_iter()
@@ -118,7 +149,7 @@ impl ShadowMap {
         if x >= self.size || y >= self.size {
             return f32::MIN;
         }
-        let tile = &self.tiles[y / SIDE * self.columns + x / SIDE];
+        let tile = &self.tiles[y / SIDE * self.bins.columns + x / SIDE];
         tile.get(y % SIDE * SIDE + x % SIDE).copied().unwrap_or(f32::MIN)
     }
 }
@@ -134,8 +165,21 @@ fn turns() -> Vec<[[f32; 2]; TAPS]> {
     (0..TURNS).map(|turn| std::array::from_fn(|index| place(turn, index))).collect()
 }
 
+/// The largest nearness of texels that are not the same in two tiles, each empty where nothing stands.
+fn largest_change(now: &Arc<[f32]>, then: &Arc<[f32]>) -> f32 {
+    if Arc::ptr_eq(now, then) {
+        return f32::MIN;
+    }
+    let larger = |a: f32, b: f32| if b > a { b } else { a };
+    let change = |(now, then): (&f32, &f32)| if now == then { f32::MIN } else { larger(*now, *then) };
+    match (now.is_empty(), then.is_empty()) {
+        (false, false) => now.iter().zip(then.iter()).map(change).fold(f32::MIN, larger),
+        _ => now.iter().chain(then.iter()).copied().fold(f32::MIN, larger),
+    }
+}
+
 /// The largest nearness in each block of all tiles, row by row.
-fn nearest_in_blocks(tiles: &[Vec<f32>], columns: usize) -> Vec<f32> {
+fn nearest_in_blocks(tiles: &[Arc<[f32]>], columns: usize) -> Vec<f32> {
     let width = columns * BLOCKS;
     let mut nearest = vec![f32::MIN; tiles.len() * BLOCKS * BLOCKS];
     nearest.par_chunks_mut(width * BLOCKS).zip(tiles.par_chunks(columns)).for_each(|(nearest, tiles)| {

@@ -130,6 +130,7 @@ impl Prepared<'_> {
 
     /// Radiance of a spot of the ground in its light and its patches.
     fn seen(&self, spot: &Spot, light: &GroundLight, patches: [f32; 4], salt: u64) -> [f32; 3] {
+        self.reads.borrow_mut().rest = true;
         let albedo = self.ground_albedo(spot, patches);
         let shade = self.shade(spot.position, spot.normal, salt);
         std::array::from_fn(|k| albedo[k] * (light.sun[k] * shade + light.ambient[k]) * light.kept[k] + light.air[k])
@@ -151,6 +152,7 @@ impl Prepared<'_> {
     /// dry (1).
     pub(super) fn far_meadow(&self, ray: Vec3, distance: f32, patch: f32) -> [f32; 3] {
         let Some(ground) = &self.frame.ground else { return [0.0; 3] };
+        self.reads.borrow_mut().rest = true;
         let mean = self.textures[ground.texture as usize].mean();
         let meeting = mix(self.frame.sun.direction.y.max(0.0), self.sward(ray, Vec3::y()), ground.blades);
         let sun = self.frame.sun.irradiance.map(|e| e * meeting * self.atmosphere.sun_share());

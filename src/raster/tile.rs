@@ -117,7 +117,7 @@ impl<const S: usize> Workspace<S> {
             if nearest.hides(corner.clip(item), item.nearness) {
                 continue;
             }
-            let transform = &prepared.instances[item.instance as usize].transform;
+            let transform = &prepared.instances.all[item.instance as usize].transform;
             let map = composed(&prepared.projection.map, transform);
             let placed = Placed {
                 projection: &prepared.projection,

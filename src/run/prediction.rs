@@ -16,6 +16,11 @@ pub type Parts = Vec<(&'static str, f64)>;
 /// Most cells of the light volume of a stand, and the memory of one, bytes.
 const CANOPY_CELLS: f64 = 300_000.0;
 const CANOPY_BYTES: f64 = 200.0;
+/// Memory by which a texel of the map of shadows adds to what is kept with a pixel, bytes: four for each two tiles of 64 x 64, in the
+/// last picture and the one that is drawn.
+const READ_BYTES: f64 = 2.0 * 4.0 / (4096.0 * 4096.0);
+/// Memory of a leaf as it was drawn in the last frame, with its places in the picture and in the map of shadows, bytes.
+const DRAWN_BYTES: f64 = 280.0;
 /// Memory of a fallen leaf, bytes, of the field of heights about a leaf by itself, and of a square metre of that field.
 const FALL_BYTES: f64 = 700.0;
 const LONE_BYTES: f64 = 4000.0;
@@ -55,9 +60,15 @@ fn place(scene: &Scene, table: &str, refusal: &crate::base::limits::Refusal) -> 
 /// What is taken while a frame of so many leaves and trees is drawn. The factors were measured as growth of the peak with
 /// each size, and rounded up.
 pub fn drawing(scene: &Scene, leaves: usize, trees: usize) -> Parts {
-    let shadow = f64::from(scene.light.shadow_size) * f64::from(scene.light.shadow_size) * 12.0;
+    // The picture and the map of shadows are kept in tiles for the next frame, with what each of the ones read of the others.
+    let texels = f64::from(scene.light.shadow_size) * f64::from(scene.light.shadow_size);
+    let (shadow, pixel) = (texels * 16.0, 24.0 + texels * READ_BYTES);
     let canopy = if trees > 1 { CANOPY_CELLS * CANOPY_BYTES } else { 0.0 };
-    vec![("image", 1.2e8 + scene.image.pixels() * 16.0), ("light", shadow + canopy), ("output", file(scene, leaves))]
+    vec![
+        ("image", 1.2e8 + scene.image.pixels() * pixel + leaves as f64 * DRAWN_BYTES),
+        ("light", shadow + canopy),
+        ("output", file(scene, leaves)),
+    ]
 }
 
 /// What the making of a frame's glTF file takes.

@@ -149,7 +149,7 @@ fn rasterised(
         let before = stopwatch::processor_seconds();
         let mut drawing = enlargement::drawn(renderer, frame, enlarged, wanted);
         if let Some(inset) = inset {
-            picture_inset::place(&mut drawing.picture, &renderer.draw(inset).0);
+            picture_inset::place(&mut drawing.picture, &renderer.draw_apart(inset));
         }
         let figures = std::mem::take(&mut drawing.figures);
         Ok((drawing, figures.with("cpu_seconds", stopwatch::processor_seconds() - before)))
