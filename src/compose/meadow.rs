@@ -1,6 +1,6 @@
 //! The ground of a scene, and what grows on it.
 
-use super::{Stand, Stock, flowers, ground, sward, terrain, turned, view, wood_edge};
+use super::{Stand, Stock, flowers, ground, sward, terrain, turned, tussocks, view, wood_edge};
 use crate::base::mesh::Mesh;
 use crate::base::vector::{Affine, DVec3};
 use crate::fall::HeightMap;
@@ -60,6 +60,7 @@ impl Stock {
         let mut model = |name: &str, mesh: Mesh| self.push_model(name, mesh, material);
         let (foot, meadow) = (model("sward", sward::mesh(scene.seed)), model("meadow", sward::meadow(scene.seed)));
         let ring = model("sward_ring", sward::ring(scene.seed));
+        let tussock = model("tussock", tussocks::mesh(scene.seed));
         let camera = turned(scene, stand, 0, view::camera(scene, stand));
         let eye: DVec3 = camera.position.cast();
         let aspect = f64::from(scene.image.width) / f64::from(scene.image.height);
@@ -69,12 +70,15 @@ impl Stock {
         let trees: Vec<[f64; 2]> = stand.trees.iter().map(|(_, tree)| tree.place).collect();
         let at_feet =
             sward::places(&trees).into_iter().map(|transform| Instance { model: foot, transform, leaf: None });
-        let before = sward::meadow_places(eye.into(), view::axis(&camera).into(), half);
+        let axis: [f64; 3] = view::axis(&camera).into();
+        let before = sward::meadow_places(eye.into(), axis, half);
+        let rank = tussocks::places(scene.seed, eye.into(), axis, half, &trees).into_iter();
+        let rank = rank.map(|transform| Instance { model: tussock, transform, leaf: None });
         let about = sward::ring_places(&ground::feet(stand)).into_iter();
         let about = about.map(|transform| Instance { model: ring, transform, leaf: None });
         let flowers = self.add_flowers(scene.seed, &before);
         let before = before.into_iter().map(|transform| Instance { model: meadow, transform, leaf: None });
-        at_feet.chain(about).chain(before).chain(flowers).collect()
+        at_feet.chain(about).chain(before).chain(flowers).chain(rank).collect()
     }
 
     /// Flowers on some of the meadow's patches.

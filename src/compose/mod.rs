@@ -28,6 +28,7 @@ mod sun_position;
 mod sward;
 mod terrain;
 mod texture_size;
+mod tussocks;
 mod view;
 mod white_balance;
 mod wood_canvas;

@@ -18,7 +18,7 @@ const DENSEST: f64 = 60.0;
 /// Name of the material of blades.
 pub(super) const NAME: &str = "sward";
 /// What winter does to the colours of blades: bleached, less green (judged).
-const BLEACHED: [f32; 3] = [1.42, 0.97, 1.75];
+const BLEACHED: [f32; 3] = [1.95, 1.32, 2.15];
 /// Blades in the ring about a trunk's foot that no mower and few feet reach, and how far it goes, metres.
 const RING: u64 = 2100;
 const RING_REACH: f64 = 0.85;
@@ -192,7 +192,7 @@ fn sow(mesh: &mut Mesh, tufts: &Fractal, seed: u64, [row, column]: [i32; 2], cou
 }
 
 /// Adds a blade of a height (metres), a hue (0 to 1, green to straw) and half a width (metres).
-fn blade(mesh: &mut Mesh, random: &mut Stream, foot: [f64; 2], [height, hue, half]: [f64; 3]) {
+pub(super) fn blade(mesh: &mut Mesh, random: &mut Stream, foot: [f64; 2], [height, hue, half]: [f64; 3]) {
     let foot = Vec3::new(foot[0] as f32, 0.0, foot[1] as f32);
     let lean = random.range(0.1, 0.8) * height;
     let (towards, across) = (random.range(0.0, TAU), random.range(0.0, TAU));
