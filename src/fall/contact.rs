@@ -5,12 +5,13 @@
 //! middle of its cell, or a point of its rim is met. What it touches is thus within half a cell's diagonal and a thickness;
 //! only rims pass one another, by little.
 
-use super::columns::{Extent, Patch, Region, in_cells, place};
+use super::columns::{Extent, Patch, Region, block_bytes, in_cells, place};
 use super::descent::slope;
 use super::footprint::{Axes, Footprint, OF_RIM, Rise, UNIT};
 use super::litter::{Laid, Landed};
 use super::shape::{Points, Rest, Shape};
 use super::support::{Cloud, support};
+use super::windows::MOST_BYTES;
 use super::{Ground, shape::Sample};
 use crate::base::vector::{DVec2, DVec3};
 use nalgebra::UnitQuaternion;
@@ -90,6 +91,11 @@ impl<'a> Bed<'a> {
         let widest = landed.iter().map(|leaf| 2.0 * reach(shapes, leaf) / side).fold(0.0, f64::max);
         let bits = (LEAST_BITS..MOST_BITS).find(|&bits| widest + 2.0 <= f64::from(1u32 << bits)).unwrap_or(MOST_BITS);
         Self { ground, fineness, side, bits }
+    }
+
+    /// Blocks of a field that is not cut into windows.
+    pub(super) fn most_blocks(&self) -> usize {
+        MOST_BYTES / block_bytes(self.bits)
     }
 
     /// The cells that a leaf may reach.

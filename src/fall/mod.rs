@@ -39,6 +39,7 @@ mod support;
 #[cfg(test)]
 mod tests;
 mod wind;
+mod windows;
 
 pub use check::{check, check_decay};
 pub use descent::{Descent, froude, terminal_speed};
