@@ -83,10 +83,9 @@ impl Patch<'_> {
     }
 }
 
-/// Where the middle of a cell lies, metres, by the first cell of its patch.
-pub(super) fn place(first: [u32; 2], stride: usize, cell: usize, side: f64) -> DVec2 {
-    let along = |first: u32, cell: usize| (f64::from(first) + cell as f64 + 0.5 - OFFSET) * side;
-    DVec2::new(along(first[0], cell % stride), along(first[1], cell / stride))
+/// Where the middle of a cell lies along an axis, metres, by the first one of its patch.
+pub(super) fn middle(first: u32, cell: usize, side: f64) -> f64 {
+    (f64::from(first) + cell as f64 + 0.5 - OFFSET) * side
 }
 
 /// The cells of a block.
