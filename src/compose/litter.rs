@@ -195,7 +195,10 @@ impl Stock {
         frame.fallen = fallen.len();
         let buried = falls.seen.len().saturating_sub(fallen.len());
         frame.instances.append(&mut fallen);
-        (frame, figures(falls).with("buried", buried).with("settled", self.litter().settled))
+        let figures = figures(falls)
+            .with("buried", buried).with("settled", self.litter().settled)
+            .with("field_bytes", self.litter().field_bytes);
+        (frame, figures)
     }
 }
 

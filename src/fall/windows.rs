@@ -18,6 +18,15 @@ const PARTS_BITS: u32 = 2;
 /// Extents meet where they share a cell of the coarser lattice in which leaves are counted, of this power of two of cells.
 const COARSER: u32 = super::layers::WIDER;
 
+/// What a leaf by itself takes of a field at most, bytes: of the widest leaves that species here have.
+const LONE_BYTES: f64 = 4e4;
+
+/// The most that the field of heights takes under so many leaves, bytes: they lie far apart, until the field is cut.
+#[must_use]
+pub fn most_field_bytes(leaves: f64) -> f64 {
+    (leaves * LONE_BYTES).min(MOST_BYTES as f64)
+}
+
 /// Which other leaves a window has to hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Reason {
