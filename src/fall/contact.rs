@@ -5,14 +5,13 @@
 //! middle of its cell, or a point of its rim is met. What it touches is thus within half a cell's diagonal and a thickness;
 //! only rims pass one another, by little.
 
-use super::columns::{Extent, Patch, Region, block_bytes, in_cells, middle};
+use super::columns::{Extent, Patch, Region, in_cells, middle};
 use super::descent::slope;
 use super::footprint::{Axes, Footprint, OF_RIM, Rise, UNIT};
 use super::heights::Floor;
 use super::litter::{Laid, Landed};
 use super::shape::{Rest, Shape};
 use super::support::{Cloud, support};
-use super::windows::MOST_BYTES;
 use super::{Ground, shape::Sample};
 use crate::base::vector::{DVec2, DVec3};
 use nalgebra::UnitQuaternion;
@@ -95,11 +94,6 @@ impl<'a> Bed<'a> {
         let widest = landed.iter().map(|leaf| 2.0 * reach(shapes, leaf) / side).fold(0.0, f64::max);
         let bits = (LEAST_BITS..MOST_BITS).find(|&bits| widest + 2.0 <= f64::from(1u32 << bits)).unwrap_or(MOST_BITS);
         Self { ground, fineness, side, bits }
-    }
-
-    /// Blocks of a field that is not cut into windows.
-    pub(super) fn most_blocks(&self) -> usize {
-        MOST_BYTES / block_bytes(self.bits)
     }
 
     /// The cells that a leaf may reach.
@@ -267,15 +261,7 @@ impl<'a> Bed<'a> {
     }
 
     /// The height of a leaf's foot, at least `height`, at which none of its points is in uneven ground, metres.
-    fn on_uneven(
-        &self,
-        tools: &Tools,
-        patch: &Patch<'_>,
-        rest: &Rest,
-        axes: &Axes,
-        leaf: &Landed,
-        height: f32,
-    ) -> f32 {
+    fn on_uneven(&self, tools: &Tools, patch: &Patch<'_>, rest: &Rest, axes: &Axes, leaf: &Landed, height: f32) -> f32 {
         // The ground at a point differs by no more than this from that in the middle of its cell.
         let is_cut = patch.last.iter().any(|&last| last + 1.0 >= (1u32 << self.bits) as f32);
         let more = if is_cut { f32::INFINITY } else { (0.75 * self.side * tools.floor.steepest) as f32 + ROUNDING };

@@ -88,8 +88,7 @@ impl HeightMap {
     /// A bound of the slope within the squares between these columns and rows of nodes and beside them, metres a metre.
     fn steepest(&self, columns: [usize; 2], rows: [usize; 2]) -> f64 {
         let beside = |[low, high]: [usize; 2], count: usize| [low.saturating_sub(1), (high + 2).min(count - 1)];
-        let (columns, rows) =
-            (beside(columns, self.columns), beside(rows, self.heights.len() / self.columns.max(1)));
+        let (columns, rows) = (beside(columns, self.columns), beside(rows, self.heights.len() / self.columns.max(1)));
         let height = |row: usize, column: usize| self.heights[row * self.columns + column];
         let (mut along, mut across) = (0.0f64, 0.0f64);
         for row in rows[0]..=rows[1] {

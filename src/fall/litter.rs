@@ -7,12 +7,12 @@
 //! leaves may come in any order.
 
 use super::changes::Changes;
-use super::columns::{Columns, Extent, Patch, Region};
+use super::columns::{Columns, Extent, Patch, Region, block_bytes};
 use super::contact::{Bed, Stance, Tools};
 use super::layers::{self, Over, WIDER};
 use super::schedule::Schedule;
 use super::shape::{Shape, Side};
-use super::windows::{Reason, Window, Windows};
+use super::windows::{MOST_BYTES, Reason, Window, Windows};
 use super::{Fallen, Ground};
 use crate::base::random::{Purpose, Stream};
 use crate::base::vector::{DVec2, DVec3};
@@ -82,8 +82,10 @@ pub fn settle(ground: &Ground, shapes: &[&Shape], landed: &[Landed]) -> Vec<Laid
 
 /// Litter that is laid again and again, as days go by: what lies as it lay, on what lies as it lay, is not laid anew. The
 /// answers are those of `settle`.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Litter {
+    /// What a field of heights may take, bytes; of more it is cut into windows.
+    most_bytes: usize,
     /// What the leaves lie on.
     ground: Ground,
     /// Sizes of cells: those of leaves that were laid in others are not theirs.
@@ -108,20 +110,26 @@ pub(super) struct Kept {
     laid: Laid,
 }
 
+impl Default for Litter {
+    fn default() -> Self {
+        Self::within(MOST_BYTES)
+    }
+}
+
 impl Litter {
+    /// Litter whose field of heights takes about so many bytes at most.
+    pub(super) fn within(most_bytes: usize) -> Self {
+        let (ground, cells, kept) = (Ground::default(), (0.0, 0), Vec::new());
+        Self { most_bytes, ground, cells, kept, settled: 0, field_bytes: 0 }
+    }
+
     /// Lays leaves as `settle` does. The shapes have to be the same at each call.
     pub fn settle(&mut self, ground: &Ground, shapes: &[&Shape], landed: &[Landed]) -> Vec<Laid> {
         let order = order(landed);
         let bed = Bed::new(ground, shapes, landed);
         if self.ground != *ground || self.cells != (bed.side, bed.bits) {
-            let Self { settled, field_bytes, .. } = *self;
-            *self = Self {
-                ground: ground.clone(),
-                cells: (bed.side, bed.bits),
-                settled,
-                field_bytes,
-                ..Self::default()
-            };
+            (self.ground, self.cells) = (ground.clone(), (bed.side, bed.bits));
+            self.kept.clear();
         }
         let sorted: Vec<Landed> = order.iter().map(|&place| landed[place as usize]).collect();
         let extents: Vec<Extent> = sorted.iter().map(|leaf| bed.extent(shapes, leaf)).collect();
@@ -140,7 +148,8 @@ impl Litter {
         self.settled += changes.before.iter().filter(|before| before.is_none()).count() as u64;
         let needed: Vec<u32> =
             (0..order.len()).filter(|&rank| changes.is_needed(rank, &leaves)).map(|rank| rank as u32).collect();
-        Windows::new(&extents, &needed, bed.bits, bed.most_blocks()).each(Reason::Laid, |window| {
+        let most_blocks = self.most_bytes / block_bytes(bed.bits);
+        Windows::new(&extents, &needed, bed.bits, most_blocks).each(Reason::Laid, |window| {
             let bytes = laid_in(window, &bed, shapes, &mut leaves, (&over, &changes));
             self.field_bytes = self.field_bytes.max(bytes);
         });
@@ -154,7 +163,8 @@ impl Litter {
     fn over(&mut self, bed: &Bed<'_>, shapes: &[&Shape], sorted: &[Landed], extents: &[Extent]) -> Vec<Over> {
         let all: Vec<u32> = (0..sorted.len() as u32).collect();
         let mut over = vec![Over::default(); sorted.len()];
-        Windows::new(extents, &all, bed.bits, bed.most_blocks() << (2 * WIDER)).each(Reason::Counted, |window| {
+        let most_blocks = self.most_bytes / block_bytes(bed.bits - WIDER);
+        Windows::new(extents, &all, bed.bits, most_blocks).each(Reason::Counted, |window| {
             let schedule = schedule(window, extents, bed.bits);
             let keep = |rank: usize, found: Over| {
                 if window.owns(rank) {
