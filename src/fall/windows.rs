@@ -18,8 +18,8 @@ const PARTS_BITS: u32 = 2;
 /// Extents meet where they share a cell of the coarser lattice in which leaves are counted, of this power of two of cells.
 const COARSER: u32 = super::layers::WIDER;
 
-/// What a leaf by itself takes of a field at most, bytes: of the widest leaves that species here have.
-const LONE_BYTES: f64 = 4e4;
+/// What a leaf takes of a field at most, bytes: where two or three lie far apart in a block (measured: 92 kB; alone 20 to 40).
+const LONE_BYTES: f64 = 1.2e5;
 
 /// The most that the field of heights takes under so many leaves, bytes: they lie far apart, until the field is cut.
 #[must_use]
