@@ -244,7 +244,7 @@ impl Region {
 
 /// What a block of `2^bits` cells along its side takes at most, bytes.
 pub(super) fn block_bytes(bits: u32) -> usize {
-    2 * stride(1 << bits) << bits
+    (2 * stride(1 << bits)) << bits
 }
 
 /// Cells from a row of a block to the next: not a power of two, at which all rows would share a few lines of a cache.
