@@ -4,7 +4,7 @@ use super::stand::{Form, Pose};
 use super::{Garment, Stand, variant};
 use crate::base::maths::hypot;
 use crate::base::vector::{DVec2, DVec3};
-use crate::fall::{self, Counts, Course, Fallen, Fate, Flight, Ground, Trunk, Wind};
+use crate::fall::{self, Counts, Course, Fallen, Fate, Flight, Ground, Slopes, Trunk, Wind};
 use crate::scene::{Scene, Species, Standing};
 use crate::tree::LeafSite;
 use rayon::prelude::*;
@@ -113,6 +113,8 @@ struct Finder<'a> {
     stand: &'a Stand,
     sites: Sites<'a>,
     wind: Wind,
+    /// The ground where it is uneven.
+    slopes: Option<Slopes<'a>>,
     decays: Vec<fall::Decay>,
     /// Mass over area by species and state, g/m2.
     masses: Vec<Vec<f64>>,
@@ -123,23 +125,18 @@ impl<'a> Finder<'a> {
         let decays = scene.species.iter().map(|one| scene.fall.decay(&one.fall)).collect();
         let masses =
             scene.species.iter().map(|one| names.iter().map(|state| mass_per_area(one, state)).collect()).collect();
-        Self { scene, stand, sites: Sites::new(stand), wind: Wind::new(&scene.fall, scene.seed), decays, masses }
+        let slopes = stand.heights.as_deref().map(Slopes::new);
+        let wind = Wind::new(&scene.fall, scene.seed);
+        Self { scene, stand, sites: Sites::new(stand), wind, slopes, decays, masses }
     }
 
-    /// The flight of a leaf, and how far aside it lands. Where it lands on uneven ground depends on how long it flies: as it would
-    /// land on the ground's height below the twig, near enough where heights change little over a crown.
+    /// The flight of a leaf, and how far aside it lands.
     fn flight(&self, leaf: &Fallen) -> (Flight, DVec2) {
-        let below = DVec2::new(leaf.twig.x, leaf.twig.z);
-        let flown = |ground: f64| {
-            let flight = Flight::new(leaf, self.scene.seed, ground);
-            (flight, flight.aside(&self.wind, flight.seconds))
-        };
-        let (flight, aside) = flown(self.stand.ground_height(below.into()));
-        if self.stand.heights.is_none() {
-            (flight, aside)
-        } else {
-            flown(self.stand.ground_height((below + aside).into()))
+        if let Some(slopes) = &self.slopes {
+            return slopes.landing(leaf, self.scene.seed, &self.wind);
         }
+        let flight = Flight::new(leaf, self.scene.seed, 0.0);
+        (flight, flight.aside(&self.wind, flight.seconds))
     }
 
     fn find(&self, dropped: &Dropped) -> Option<Fall> {

@@ -176,6 +176,12 @@ impl Stock {
         laid
     }
 
+    /// How many leaves have been laid so far, and the most bytes that their field has taken.
+    fn told(&self) -> (u64, u64) {
+        let litter = self.litter();
+        (litter.settled, litter.field_bytes)
+    }
+
     fn litter(&self) -> MutexGuard<'_, Litter> {
         self.litter.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -195,7 +201,9 @@ impl Stock {
         frame.fallen = fallen.len();
         let buried = falls.seen.len().saturating_sub(fallen.len());
         frame.instances.append(&mut fallen);
-        (frame, figures(falls).with("buried", buried).with("settled", self.litter().settled))
+        let (settled, bytes) = self.told();
+        let figures = figures(falls).with("buried", buried).with("settled", settled).with("field_bytes", bytes);
+        (frame, figures)
     }
 }
 

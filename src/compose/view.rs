@@ -70,7 +70,7 @@ pub fn turned(scene: &Scene, stand: &Stand, frame: i64, camera: Camera) -> Camer
     // A fitted camera is led over uneven ground.
     if stand.heights.is_some() && scene.camera.position.is_none() {
         let place = [f64::from(turned.position.x), f64::from(turned.position.z)];
-        let least = stand.ground_height(place) + LEAST_EYE * scene.camera.eye_height;
+        let least = stand.ground_height(place) + LEAST_EYE * eye(scene, stand);
         turned.position.y = turned.position.y.max(least as f32);
     }
     turned
@@ -87,7 +87,7 @@ fn orbited(camera: Camera, degrees: f64) -> Camera {
 pub(super) fn camera(scene: &Scene, stand: &Stand) -> Camera {
     let field_of_view = field_of_view(scene);
     let aspect = f64::from(scene.image.width) / f64::from(scene.image.height);
-    let height = stand.height().max(0.2);
+    let height = height(stand);
     let [x, z] = middle(stand);
     // On uneven ground the fitted camera stands as high as the trees do, but above the ground.
     let base = stand.trees.iter().map(|(_, tree)| tree.height).sum::<f64>() / stand.trees.len().max(1) as f64;
@@ -99,7 +99,7 @@ pub(super) fn camera(scene: &Scene, stand: &Stand) -> Camera {
         height: standing.height - base + form.height.max(0.2),
     };
     let circles: Vec<Circle> = stand.standing().map(circle).collect();
-    let eye = scene.camera.eye_height.min(height * 0.6);
+    let eye = eye(scene, stand);
     let (distance, tilt) = fitted(&circles, eye, field_of_view, aspect, scene.camera.fill);
     let above = (stand.ground_height([x, z + distance]) + LEAST_EYE * eye).max(base + eye);
     let position = scene.camera.position.map_or(DVec3::new(x, above, z + distance), DVec3::from);
@@ -116,6 +116,16 @@ pub(super) fn camera(scene: &Scene, stand: &Stand) -> Camera {
         near: scene.camera.near as f32,
         far: scene.camera.far as f32,
     }
+}
+
+/// The height of what a fitted camera looks at, metres.
+fn height(stand: &Stand) -> f64 {
+    stand.height().max(0.2)
+}
+
+/// The height of a fitted camera's eye over level ground, metres: lower before saplings than the scene has it.
+fn eye(scene: &Scene, stand: &Stand) -> f64 {
+    scene.camera.eye_height.min(height(stand) * 0.6)
 }
 
 /// The middle of the box of ground that the crowns cover: x and z.

@@ -1,9 +1,10 @@
-//! A field over the ground in square cells, in square blocks of them that are made when something lies in them.
+//! A field over the ground in square cells, in square blocks of them that are made when something lies in them, no wider than
+//! what lies in them.
 //!
 //! A `Region` is two by two blocks, taken out of the field and put back. Regions that share no block are worked in at the same
 //! time.
 
-use super::schedule::{Schedule, Task};
+use super::schedule::{PARTS_BITS, Schedule, Task};
 use crate::base::vector::DVec2;
 use rayon::prelude::*;
 
@@ -31,6 +32,14 @@ impl Extent {
     pub(super) fn within(self, bits: u32) -> Self {
         let low = self.low.map(|cell| cell.min(1 << 30));
         Self { low, high: [0, 1].map(|axis| self.high[axis].clamp(low[axis], low[axis] + (1 << bits) - 1)) }
+    }
+
+    /// What holds this and another.
+    pub(super) fn with(self, other: Self) -> Self {
+        Self {
+            low: [0, 1].map(|axis| self.low[axis].min(other.low[axis])),
+            high: [0, 1].map(|axis| self.high[axis].max(other.high[axis])),
+        }
     }
 
     /// The same in cells that are `2^bits` times as wide.
@@ -74,24 +83,53 @@ impl Patch<'_> {
     }
 }
 
-/// Where the middle of a cell lies, metres, by the first cell of its patch.
-pub(super) fn place(first: [u32; 2], stride: usize, cell: usize, side: f64) -> DVec2 {
-    let along = |first: u32, cell: usize| (f64::from(first) + cell as f64 + 0.5 - OFFSET) * side;
-    DVec2::new(along(first[0], cell % stride), along(first[1], cell / stride))
+/// Where the middle of a cell lies along an axis, metres, by the first one of its patch.
+pub(super) fn middle(first: u32, cell: usize, side: f64) -> f64 {
+    (f64::from(first) + cell as f64 + 0.5 - OFFSET) * side
+}
+
+/// The cells of a block.
+#[derive(Clone, Default)]
+struct Block {
+    /// The first column and row.
+    first: [u32; 2],
+    /// Cells from a row to the next, and rows.
+    stride: usize,
+    rows: usize,
+    /// The cells; none before they are worked in.
+    values: Vec<u16>,
+}
+
+impl Block {
+    /// The place of a cell.
+    fn at(&self, column: u32, row: u32) -> usize {
+        (row - self.first[1]) as usize * self.stride + (column - self.first[0]) as usize
+    }
+
+    fn fill(&mut self) {
+        if self.values.is_empty() {
+            self.values = vec![0; self.stride * self.rows];
+        }
+    }
 }
 
 /// The field.
 pub(super) struct Columns {
     /// Cells along a block's side, as a power of two.
     bits: u32,
-    /// The blocks by their numbers in a schedule; empty before they are worked in.
-    blocks: Vec<Vec<u16>>,
+    /// The blocks by their numbers in a schedule.
+    blocks: Vec<Block>,
 }
 
 impl Columns {
     /// A field of zeros over the blocks of a schedule, each of `2^bits` cells along a side.
     pub(super) fn new(schedule: &Schedule, bits: u32) -> Self {
-        Self { bits, blocks: vec![Vec::new(); schedule.blocks] }
+        let part = bits - PARTS_BITS;
+        let block = |reached: &Extent| {
+            let [width, rows] = [0, 1].map(|axis| ((reached.high[axis] - reached.low[axis] + 1) as usize) << part);
+            Block { first: reached.low.map(|cell| cell << part), stride: stride(width), rows, values: Vec::new() }
+        };
+        Self { bits, blocks: schedule.blocks.iter().map(block).collect() }
     }
 
     /// Does work for every leaf of a schedule; what may touch the same cells is done one after another in the schedule's
@@ -129,6 +167,11 @@ impl Columns {
         }
     }
 
+    /// What the blocks take, bytes.
+    pub(super) fn bytes(&self) -> u64 {
+        self.blocks.iter().map(|block| std::mem::size_of_val(block.values.as_slice()) as u64).sum()
+    }
+
     fn take(&mut self, task: &Task) -> Region {
         let block = |number: u32| self.blocks.get_mut(number as usize).map(std::mem::take).unwrap_or_default();
         Region { bits: self.bits, corner: task.corner, blocks: task.blocks.map(block) }
@@ -148,20 +191,20 @@ pub(super) struct Region {
     bits: u32,
     /// Column and row of the first block.
     corner: [u32; 2],
-    blocks: [Vec<u16>; 4],
+    blocks: [Block; 4],
 }
 
 impl Region {
     /// Works on the cells of an extent within the region: in place, or, where they lie in several blocks, on a copy that is
     /// written back.
     pub(super) fn open<R>(&mut self, extent: Extent, copy: &mut Vec<u16>, work: impl FnOnce(Patch<'_>) -> R) -> R {
-        let (stride, bits, mask) = (stride(self.bits), self.bits, (1u32 << self.bits) - 1);
-        let blocks = extent.coarser(bits);
+        let blocks = extent.coarser(self.bits);
         let last = [0, 1].map(|axis| (extent.high[axis] - extent.low[axis]) as f32);
         if blocks.low == blocks.high {
-            let start = (extent.low[1] & mask) as usize * stride + (extent.low[0] & mask) as usize;
-            let values = &mut self.block(blocks.low)[start..];
-            return work(Patch { values, stride, first: extent.low, last });
+            let block = self.block(blocks.low);
+            let start = block.at(extent.low[0], extent.low[1]);
+            let stride = block.stride;
+            return work(Patch { values: &mut block.values[start..], stride, first: extent.low, last });
         }
         copy.clear();
         self.rows(extent, |part| copy.extend_from_slice(part));
@@ -178,29 +221,33 @@ impl Region {
 
     /// Visits the cells of an extent row by row, in parts that lie in one block.
     fn rows(&mut self, extent: Extent, mut visit: impl FnMut(&mut [u16])) {
-        let (stride, bits, mask) = (stride(self.bits), self.bits, (1u32 << self.bits) - 1);
+        let (bits, mask) = (self.bits, (1u32 << self.bits) - 1);
         for row in extent.low[1]..=extent.high[1] {
             let mut column = extent.low[0];
             while column <= extent.high[0] {
                 let end = (column | mask).min(extent.high[0]);
-                let start = (row & mask) as usize * stride + (column & mask) as usize;
-                visit(&mut self.block([column >> bits, row >> bits])[start..start + (end - column) as usize + 1]);
+                let block = self.block([column >> bits, row >> bits]);
+                let start = block.at(column, row);
+                visit(&mut block.values[start..start + (end - column) as usize + 1]);
                 column = end + 1;
             }
         }
     }
 
-    fn block(&mut self, at: [u32; 2]) -> &mut Vec<u16> {
+    fn block(&mut self, at: [u32; 2]) -> &mut Block {
         let [x, z] = [0, 1].map(|axis| at[axis].wrapping_sub(self.corner[axis]) as usize & 1);
         let block = &mut self.blocks[2 * z + x];
-        if block.is_empty() {
-            *block = vec![0; stride(self.bits) << self.bits];
-        }
+        block.fill();
         block
     }
 }
 
+/// What a block of `2^bits` cells along its side takes at most, bytes.
+pub(super) fn block_bytes(bits: u32) -> usize {
+    (2 * stride(1 << bits)) << bits
+}
+
 /// Cells from a row of a block to the next: not a power of two, at which all rows would share a few lines of a cache.
-fn stride(bits: u32) -> usize {
-    (1 << bits) + (1 << bits >> 3)
+fn stride(width: usize) -> usize {
+    width + (width >> 3)
 }

@@ -5,11 +5,12 @@
 //! middle of its cell, or a point of its rim is met. What it touches is thus within half a cell's diagonal and a thickness;
 //! only rims pass one another, by little.
 
-use super::columns::{Extent, Patch, Region, in_cells, place};
+use super::columns::{Extent, Patch, Region, in_cells, middle};
 use super::descent::slope;
 use super::footprint::{Axes, Footprint, OF_RIM, Rise, UNIT};
+use super::heights::Floor;
 use super::litter::{Laid, Landed};
-use super::shape::{Points, Rest, Shape};
+use super::shape::{Rest, Shape};
 use super::support::{Cloud, support};
 use super::{Ground, shape::Sample};
 use crate::base::vector::{DVec2, DVec3};
@@ -23,6 +24,8 @@ const FEW: usize = 16_000;
 const COARSEST: f64 = 8e-3;
 /// How far rims pass one another, metres: they need not lie one above the other where their vertices lie in one cell.
 const GIVE: f32 = 1e-3;
+/// More than heights of the ground are rounded by, metres.
+const ROUNDING: f32 = 1e-4;
 /// Room that a blade takes over its lower side, metres: paper and veins.
 const THICKNESS: f32 = 3e-4;
 /// Steepest that a leaf leans, degrees.
@@ -64,6 +67,7 @@ pub(super) struct Tools {
     lows: Footprint,
     blade: Footprint,
     rim: Footprint,
+    floor: Floor,
 }
 
 impl Tools {
@@ -101,6 +105,7 @@ impl<'a> Bed<'a> {
     pub(super) fn rest(&self, tools: &mut Tools, patch: &Patch<'_>, shape: &Shape, leaf: &Landed) -> Stance {
         let rest = shape.rest(leaf.side);
         let yaw = UnitQuaternion::from_axis_angle(&DVec3::y_axis(), leaf.yaw);
+        self.lay_floor(tools, patch);
         let turn = self.leaning(tools, patch, rest, leaf, &yaw) * yaw;
         let axes = self.axes(&turn, leaf);
         self.find(tools, patch, rest, leaf, &turn);
@@ -117,14 +122,12 @@ impl<'a> Bed<'a> {
         Stance { turn, height }: &Stance,
     ) {
         if !is_found {
+            self.lay_floor(tools, patch);
             self.find(tools, patch, shape.rest(leaf.side), leaf, turn);
         }
         let level = height + THICKNESS;
         for (found, of_rim) in [(&tools.blade, 0), (&tools.rim, OF_RIM)] {
-            match &self.ground.heights {
-                None => found.raise(patch.values, level, of_rim, |_| 0.0),
-                Some(_) => found.raise(patch.values, level, of_rim, self.grounds(patch.first, patch.stride)),
-            }
+            found.raise(patch.values, level, of_rim);
         }
     }
 
@@ -141,13 +144,24 @@ impl<'a> Bed<'a> {
         Axes::new(&(turn.to_rotation_matrix().into_inner() * leaf.scale), self.side)
     }
 
+    /// The ground below a patch, where it is uneven.
+    fn lay_floor(&self, tools: &mut Tools, patch: &Patch<'_>) {
+        if let Some(map) = &self.ground.heights {
+            let middles = |axis: usize| {
+                (0..=patch.last[axis] as usize).map(move |cell| middle(patch.first[axis], cell, self.side))
+            };
+            tools.floor.lay(map, middles(0), middles(1));
+        }
+    }
+
     /// The cells below a leaf of this turn.
     fn find(&self, tools: &mut Tools, patch: &Patch<'_>, rest: &Rest, leaf: &Landed, turn: &UnitQuaternion<f64>) {
         let axes = self.axes(turn, leaf);
         let middle = patch.offset(in_cells(leaf.place, self.side, 0));
         let rise = Rise::new(turn, leaf.yaw, self.side);
-        tools.blade.find(&rest.blade[self.fineness], &axes, &rise, patch, middle);
-        tools.rim.find(&rest.rim[self.fineness], &axes, &Rise::default(), patch, middle);
+        let below = (patch, self.ground.heights.as_ref().map(|_| &tools.floor));
+        tools.blade.find(&rest.blade[self.fineness], &axes, &rise, below, middle);
+        tools.rim.find(&rest.rim[self.fineness], &axes, &Rise::default(), below, middle);
     }
 
     /// Adds a leaf that lies below several others: a soft layer as wide as the leaf.
@@ -203,15 +217,16 @@ impl<'a> Bed<'a> {
     ) -> UnitQuaternion<f64> {
         let axes = Axes::new(&(yaw.to_rotation_matrix().into_inner() * leaf.scale), self.side);
         let middle = patch.offset(in_cells(leaf.place, self.side, 0));
-        tools.lows.find(&rest.lows, &axes, &Rise::default(), patch, middle);
+        let below = (patch, self.ground.heights.as_ref().map(|_| &tools.floor));
+        tools.lows.find(&rest.lows, &axes, &Rise::default(), below, middle);
         let Tools { lows, points, .. } = tools;
         if self.ground.heights.is_none() && lows.is_bare(patch.values) {
             return UnitQuaternion::identity();
         }
         points.clear();
-        for (sample, (cell, low)) in rest.samples.iter().zip(lows.iter()) {
+        for (sample, (cell, low, floor)) in rest.samples.iter().zip(lows.iter()) {
             let [x, z] = sample.place.map(|metres| f64::from(metres) * leaf.scale);
-            points.push([x, z, f64::from(self.top(patch, cell) - low)]);
+            points.push([x, z, f64::from(lying(patch, cell) + floor - low)]);
         }
         for point in &rest.stalk {
             let [x, z] = [point[0], point[2]].map(|metres| f64::from(metres) * leaf.scale);
@@ -234,20 +249,30 @@ impl<'a> Bed<'a> {
 
     /// The height of a leaf's foot at its first contact, metres.
     fn height(&self, tools: &Tools, patch: &Patch<'_>, rest: &Rest, axes: &Axes, leaf: &Landed) -> f32 {
-        let met =
-            |points: &Points| points.iter().map(|p| self.met(leaf, axes.turned(p))).fold(f32::NEG_INFINITY, f32::max);
+        let contact = tools.blade.highest(patch.values, 0.0).max(tools.rim.highest(patch.values, GIVE));
         // a petiole is thinner than a cell: it slips between blades, but not into the ground
         let stalk = rest.stalk.iter().map(|p| self.met(leaf, axes.turned(*p))).fold(f32::NEG_INFINITY, f32::max);
         let ground = match &self.ground.heights {
             None => -tools.blade.lowest.min(tools.rim.lowest),
-            Some(_) => met(&rest.blade[self.fineness]).max(met(&rest.rim[self.fineness])),
-        };
-        let contact = match &self.ground.heights {
-            None => contact(tools, patch.values, |_| 0.0),
-            Some(_) => contact(tools, patch.values, self.grounds(patch.first, patch.stride)),
+            Some(_) => self.on_uneven(tools, patch, rest, axes, leaf, contact.max(stalk)),
         };
         let height = ground.max(stalk).max(contact);
         if height.is_finite() { height } else { 0.0 }
+    }
+
+    /// The height of a leaf's foot, at least `height`, at which none of its points is in uneven ground, metres.
+    fn on_uneven(&self, tools: &Tools, patch: &Patch<'_>, rest: &Rest, axes: &Axes, leaf: &Landed, height: f32) -> f32 {
+        // The ground at a point differs by no more than this from that in the middle of its cell.
+        let is_cut = patch.last.iter().any(|&last| last + 1.0 >= (1u32 << self.bits) as f32);
+        let more = if is_cut { f32::INFINITY } else { (0.75 * self.side * tools.floor.steepest) as f32 + ROUNDING };
+        let (mut highest, fineness) = (height, self.fineness);
+        for (found, points) in [(&tools.blade, &rest.blade[fineness]), (&tools.rim, &rest.rim[fineness])] {
+            for (group, lane) in found.may_touch(height, more) {
+                let point = points.groups()[group].at.map(|values| values[lane]);
+                highest = highest.max(self.met(leaf, axes.turned(point)));
+            }
+        }
+        highest
     }
 
     /// The height of the foot at which a point of a leaf touches the ground.
@@ -262,24 +287,21 @@ impl<'a> Bed<'a> {
 
     #[inline]
     fn top(&self, patch: &Patch<'_>, cell: usize) -> f32 {
-        f32::from(patch.value(cell) & !OF_RIM) * UNIT + self.ground_at(patch, cell)
-    }
-
-    #[inline]
-    fn ground_at(&self, patch: &Patch<'_>, cell: usize) -> f32 {
-        if self.ground.heights.is_none() { 0.0 } else { self.grounds(patch.first, patch.stride)(cell as i32) }
-    }
-
-    /// The height of the ground in the middle of a patch's cells, metres.
-    fn grounds(&self, first: [u32; 2], stride: usize) -> impl Fn(i32) -> f32 + use<'a> {
-        let (side, ground) = (self.side, self.ground);
-        move |cell| ground.height(place(first, stride, cell as usize, side)) as f32
+        let ground = match &self.ground.heights {
+            None => 0.0,
+            Some(map) => {
+                let at = |axis: usize, cell: usize| middle(patch.first[axis], cell, self.side);
+                map.at(DVec2::new(at(0, cell % patch.stride), at(1, cell / patch.stride))) as f32
+            }
+        };
+        lying(patch, cell) + ground
     }
 }
 
-/// The height of the foot at which a leaf's blade or its rim meets what lies below, metres.
-fn contact(tools: &Tools, values: &[u16], ground: impl Fn(i32) -> f32) -> f32 {
-    tools.blade.highest(values, 0.0, &ground).max(tools.rim.highest(values, GIVE, &ground))
+/// The height of what lies in a cell over the ground, metres.
+#[inline]
+fn lying(patch: &Patch<'_>, cell: usize) -> f32 {
+    f32::from(patch.value(cell) & !OF_RIM) * UNIT
 }
 
 /// How far a leaf may reach about its place, metres.

@@ -1,6 +1,7 @@
 //! The cells that lie below a leaf in an attitude, with its heights over them: eight points at once.
 
 use super::columns::Patch;
+use super::heights::Floor;
 use super::shape::Points;
 use crate::base::vector::{DMat3, DVec3};
 use fearless_simd::prelude::*;
@@ -22,18 +23,31 @@ pub(super) struct Footprint {
     cells: Vec<[i32; LANES]>,
     /// The leaf's height over its foot at the middle of each, metres.
     over: Vec<[f32; LANES]>,
+    /// The height of uneven ground at the middle of each, metres; empty on level ground.
+    floor: Vec<[f32; LANES]>,
+    /// There, the leaf's height over its foot at each point itself, metres.
+    rise: Vec<[f32; LANES]>,
     /// The lowest of the points over the leaf's foot, metres.
     pub lowest: f32,
 }
 
 impl Footprint {
     /// Finds the cells below the points; `middle` is the leaf's place in cells from the patch's first. The slopes of points
-    /// are taken to add to the lean.
-    pub(super) fn find(&mut self, points: &Points, axes: &Axes, rise: &Rise, patch: &Patch<'_>, middle: [f32; 2]) {
+    /// are taken to add to the lean. `floor` is the ground of the patch where it is uneven.
+    pub(super) fn find(
+        &mut self,
+        points: &Points,
+        axes: &Axes,
+        rise: &Rise,
+        (patch, floor): (&Patch<'_>, Option<&Floor>),
+        middle: [f32; 2],
+    ) {
         self.cells.clear();
         self.over.clear();
+        self.floor.clear();
+        self.rise.clear();
         let frame = ([patch.last[0], patch.last[1], patch.stride as f32], middle.map(|place| place - 0.5));
-        dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || self.find_with(simd, points, axes, rise, frame)));
+        dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || self.find_with(simd, points, axes, rise, (frame, floor))));
     }
 
     #[inline(always)]
@@ -43,7 +57,7 @@ impl Footprint {
         points: &Points,
         Axes(axes): &Axes,
         rise: &Rise,
-        ([last_x, last_z, stride], [from_x, from_z]): ([f32; 3], [f32; 2]),
+        (([last_x, last_z, stride], [from_x, from_z]), floor): (([f32; 3], [f32; 2]), Option<&Floor>),
     ) {
         let wide = |values: &[f32; LANES]| f32x8::simd_from(simd, *values);
         let zero = f32x8::splat(simd, 0.0);
@@ -60,14 +74,32 @@ impl Footprint {
                 (slope_x * cosine + slope_z * sine + lean_x, slope_z * cosine - slope_x * sine + lean_z);
             self.cells.push((row * stride + column).to_int::<i32x8<W>>().into());
             self.over.push((y + rise_x * (column - x) + rise_z * (row - z)).into());
+            if let Some(floor) = floor {
+                let [columns, rows]: [[i32; LANES]; 2] = [column, row].map(|cells| cells.to_int::<i32x8<W>>().into());
+                self.floor.push(std::array::from_fn(|lane| floor.at(columns[lane] as usize, rows[lane] as usize)));
+                self.rise.push(y.into());
+            }
             lowest = lowest.min(y);
         }
         self.lowest = <[f32; LANES]>::from(lowest).into_iter().fold(f32::INFINITY, f32::min);
     }
 
-    /// The cell of each point, with the leaf's height over its foot there, metres.
-    pub(super) fn iter(&self) -> impl Iterator<Item = (usize, f32)> {
-        self.cells.iter().flatten().map(|&cell| cell as usize).zip(self.over.iter().flatten().copied())
+    /// The cell of each point, with the leaf's height over its foot there and that of the ground, metres.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (usize, f32, f32)> {
+        let floor = (0..self.cells.len()).flat_map(|group| self.floor.get(group).copied().unwrap_or_default());
+        let cells = self.cells.iter().flatten().map(|&cell| cell as usize);
+        cells.zip(self.over.iter().flatten().copied()).zip(floor).map(|((cell, over), floor)| (cell, over, floor))
+    }
+
+    /// The points, by group and lane, that may touch uneven ground when the foot is higher than `height`: ground that is up to
+    /// `more` higher than in the middle of their cells.
+    pub(super) fn may_touch(&self, height: f32, more: f32) -> impl Iterator<Item = (usize, usize)> {
+        let groups = self.floor.iter().zip(&self.rise).enumerate();
+        groups.flat_map(move |(group, (floor, rise))| {
+            let touches: [bool; LANES] = std::array::from_fn(|lane| floor[lane] - rise[lane] + more > height);
+            let any = touches.into_iter().fold(false, |any, touches| any | touches);
+            (0..if any { LANES } else { 0 }).filter(move |&lane| touches[lane]).map(move |lane| (group, lane))
+        })
     }
 
     /// Whether nothing lies in any of the cells.
@@ -76,17 +108,17 @@ impl Footprint {
         self.cells.iter().flatten().fold(0, all) == 0
     }
 
-    /// The height of the foot at which one of the points meets the top of its cell, metres; `ground` is that below a cell.
+    /// The height of the foot at which one of the points meets the top of its cell, metres.
     #[inline]
-    pub(super) fn highest(&self, values: &[u16], give: f32, ground: impl Fn(i32) -> f32) -> f32 {
+    pub(super) fn highest(&self, values: &[u16], give: f32) -> f32 {
         dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
             let mut highest = f32x8::splat(simd, f32::NEG_INFINITY);
-            for (cells, over) in self.cells.iter().zip(&self.over) {
+            for (group, (cells, over)) in self.cells.iter().zip(&self.over).enumerate() {
                 let found = cells.map(|cell| values.get(cell as usize).map_or(0, |value| i32::from(*value)));
                 let found = i32x8::simd_from(simd, found);
                 let of_rim = (found & i32::from(OF_RIM)).to_float::<f32x8<_>>();
                 let top = (found & i32::from(!OF_RIM)).to_float::<f32x8<_>>() * UNIT;
-                let floor = f32x8::simd_from(simd, cells.map(&ground));
+                let floor = f32x8::simd_from(simd, self.floor.get(group).copied().unwrap_or_default());
                 highest = highest.max(top + floor - f32x8::simd_from(simd, *over) - of_rim * give);
             }
             <[f32; LANES]>::from(highest).into_iter().fold(f32::NEG_INFINITY, f32::max)
@@ -95,10 +127,10 @@ impl Footprint {
 
     /// Raises cells to the leaf, whose foot and thickness are at `level`, metres.
     #[inline]
-    pub(super) fn raise(&self, values: &mut [u16], level: f32, of_rim: u16, ground: impl Fn(i32) -> f32) {
+    pub(super) fn raise(&self, values: &mut [u16], level: f32, of_rim: u16) {
         dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
-            for (cells, over) in self.cells.iter().zip(&self.over) {
-                let floor = f32x8::simd_from(simd, cells.map(&ground));
+            for (group, (cells, over)) in self.cells.iter().zip(&self.over).enumerate() {
+                let floor = f32x8::simd_from(simd, self.floor.get(group).copied().unwrap_or_default());
                 let over = f32x8::simd_from(simd, *over) + level - floor;
                 let units = (over * (0.5 / UNIT) + 0.5).max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, MOST_UNITS));
                 let tops: [i32; LANES] = units.to_int::<i32x8<_>>().into();

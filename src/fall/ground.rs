@@ -16,6 +16,14 @@ const WAVES: [(f64, f64); 2] = [(2.1, 0.115), (0.55, 0.10)];
 const STEP: f64 = 0.05;
 /// Metres about a trunk's foot that leaves are pushed out of it within.
 const SKIRT: f64 = 0.35;
+/// Steepest slope on which litter stays, metres a metre: the angle of repose of heaps of leaves is about 40 to 45 degrees (judged;
+/// most loose matter rests below 45).
+const STEEPEST: f64 = 1.0;
+/// What slides rests on slopes between this share of the steepest and the steepest.
+const GENTLEST: f64 = 0.7;
+/// Most steps of a slide, each of this share of a square of the map.
+const MOST_SLIDES: u32 = 2048;
+const SLIDE: f64 = 0.5;
 /// Share of the drifts that still air leaves, and the wind that makes all of them, m/s.
 const STILL: f64 = 0.45;
 const DRIFTING: f64 = 1.0;
@@ -50,6 +58,7 @@ impl Ground {
     pub fn rest(&self, seed: u64, wind: f64, landed: DVec2) -> DVec2 {
         let strength = STILL + (1.0 - STILL) * (wind / DRIFTING).min(1.0);
         let slid = landed + slide(seed, landed) * strength;
+        let slid = self.heights.as_ref().map_or(slid, |map| off_slopes(map, slid));
         self.trunks.iter().fold(slid, |place, trunk| pushed(trunk, place))
     }
 
@@ -71,6 +80,30 @@ fn slide(seed: u64, place: DVec2) -> DVec2 {
         sum += gradient * (share * length);
     }
     sum
+}
+
+/// Down from slopes that are too steep for litter to lie on. What slides comes to rest on different slopes, by chance: here by
+/// where it set out, so that it lies in a band at their feet and not in a line.
+fn off_slopes(map: &HeightMap, place: DVec2) -> DVec2 {
+    let slope = |place: DVec2| {
+        let normal = map.normal(place);
+        DVec2::new(-normal.x, -normal.z) / normal.y
+    };
+    if slope(place).norm_squared() <= STEEPEST * STEEPEST {
+        return place;
+    }
+    let chance = (hash(place.x.to_bits(), place.y.to_bits()) >> 40) as f64 / (1u64 << 24) as f64;
+    let rests_on = STEEPEST * (1.0 - (1.0 - GENTLEST) * chance);
+    let mut at = place;
+    for _ in 0..MOST_SLIDES {
+        let rise = slope(at);
+        let steepness = rise.norm();
+        if steepness <= rests_on {
+            break;
+        }
+        at -= rise * (SLIDE * map.step / steepness);
+    }
+    at
 }
 
 /// Out of a trunk: distances of 0 to R become r to R, so leaves gather about its foot and none lies within it.
@@ -100,6 +133,24 @@ mod tests {
         let far = DVec2::new(9.0, 9.0);
         assert_eq!(ground.rest(3, 0.5, far), Ground::default().rest(3, 0.5, far));
         assert!(ground.is_raked(trunk.place, 0.5) && !ground.is_raked(far, 0.5) && !ground.is_raked(trunk.place, 0.0));
+    }
+
+    #[test]
+    fn no_litter_stays_on_slopes_over_forty_five_degrees() {
+        // a bank 8 m high that is half as wide, between level ground above and below
+        let rows: Vec<Vec<f64>> = (0..6).map(|_| vec![0.0, 0.0, 0.0, 8.0, 8.0, 8.0]).collect();
+        let map = HeightMap::smoothed(&rows, 4.0).unwrap();
+        let ground = Ground { trunks: Vec::new(), heights: Some(Arc::new(map.clone())) };
+        let (mut slid, mut stayed) = (0, 0);
+        for number in 0..400 {
+            let landed = DVec2::new(-6.0 + 0.03 * f64::from(number), 0.0);
+            let (rest, level) = (ground.rest(3, 0.3, landed), Ground::default().rest(3, 0.3, landed));
+            let normal = map.normal(rest);
+            assert!(normal.y >= 0.5f64.sqrt() - 1e-9, "{landed} {rest}");
+            stayed += u32::from(rest == level);
+            slid += u32::from(map.at(rest) < map.at(level) - 1.0);
+        }
+        assert!(slid > 40 && stayed > 200, "{slid} {stayed}");
     }
 
     #[test]

@@ -65,16 +65,96 @@ impl HeightMap {
         if rows == 0 {
             return 0.0;
         }
-        let cell = |at: f64, count: usize| {
-            let at = (at / self.step).clamp(0.0, (count - 1) as f64);
-            let node = (at as usize).min(count.saturating_sub(2));
-            (node, (node + 1).min(count - 1), at - node as f64)
-        };
-        let (left, right, u) = cell(place.x - self.origin.x, self.columns);
-        let (near, far, v) = cell(place.y - self.origin.y, rows);
+        let across = self.between(place.x - self.origin.x, self.columns);
+        let (near, share) = self.between(place.y - self.origin.y, rows);
+        let line = |row: usize| self.along(&self.heights[row * self.columns..][..self.columns], across);
+        let near = near as usize;
+        line(near) * (1.0 - share) + line((near + 1).min(rows - 1)) * share
+    }
+
+    /// The nodes of `count` along an axis about a place, metres from the first.
+    fn between(&self, at: f64, count: usize) -> Between {
+        let at = (at / self.step).clamp(0.0, (count - 1) as f64);
+        let node = (at as u32).min(count.saturating_sub(2) as u32);
+        (node, at - f64::from(node))
+    }
+
+    /// The height between nodes of a row.
+    fn along(&self, row: &[f64], (left, share): Between) -> f64 {
+        let left = left as usize;
+        row[left] * (1.0 - share) + row[(left + 1).min(self.columns - 1)] * share
+    }
+
+    /// A bound of the slope within the squares between these columns and rows of nodes and beside them, metres a metre.
+    fn steepest(&self, columns: [usize; 2], rows: [usize; 2]) -> f64 {
+        let beside = |[low, high]: [usize; 2], count: usize| [low.saturating_sub(1), (high + 2).min(count - 1)];
+        let (columns, rows) = (beside(columns, self.columns), beside(rows, self.heights.len() / self.columns.max(1)));
         let height = |row: usize, column: usize| self.heights[row * self.columns + column];
-        let along = |row: usize| height(row, left) * (1.0 - u) + height(row, right) * u;
-        along(near) * (1.0 - v) + along(far) * v
+        let (mut along, mut across) = (0.0f64, 0.0f64);
+        for row in rows[0]..=rows[1] {
+            for column in columns[0]..=columns[1] {
+                if column < columns[1] {
+                    along = along.max((height(row, column + 1) - height(row, column)).abs());
+                }
+                if row < rows[1] {
+                    across = across.max((height(row + 1, column) - height(row, column)).abs());
+                }
+            }
+        }
+        (along * along + across * across).sqrt() / self.step
+    }
+}
+
+/// Nodes along one axis about even places: the first of the two about each place, and the share of the way to the second.
+type Between = (u32, f64);
+
+/// The heights below the cells of a lattice: `HeightMap::at` of their middles, to the bit, and quick to look up.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Floor {
+    /// The heights of rows of nodes above every column of cells, metres: one row of nodes after another.
+    lines: Vec<f64>,
+    /// The nodes about each column of cells.
+    across: Vec<Between>,
+    /// For each row of cells the rows of nodes about it, as places in `lines`, and the share between them.
+    rows: Vec<(u32, u32, f64)>,
+    /// Steepest slope of the ground below, metres a metre.
+    pub steepest: f64,
+}
+
+impl Floor {
+    /// Takes up the ground of a map below columns and rows of cells with these middles, metres.
+    pub(super) fn lay(&mut self, map: &HeightMap, x: impl Iterator<Item = f64>, z: impl Iterator<Item = f64>) {
+        self.lines.clear();
+        self.rows.clear();
+        let count = map.heights.len() / map.columns.max(1);
+        if count == 0 {
+            return;
+        }
+        self.across.clear();
+        self.across.extend(x.map(|x| map.between(x - map.origin.x, map.columns)));
+        let mut nodes: Option<[usize; 2]> = None;
+        for z in z {
+            let (near, share) = map.between(z - map.origin.y, count);
+            let (near, far) = (near as usize, (near as usize + 1).min(count - 1));
+            let [first, last] = nodes.unwrap_or([near, near.wrapping_sub(1)]);
+            for row in last.wrapping_add(1)..=far {
+                let line = &map.heights[row * map.columns..][..map.columns];
+                self.lines.extend(self.across.iter().map(|&place| map.along(line, place)));
+            }
+            nodes = Some([first, far]);
+            let start = |row: usize| ((row - first) * self.across.len()) as u32;
+            self.rows.push((start(near), start(far), share));
+        }
+        let ends = [self.across.first(), self.across.last()].map(|end| end.map_or(0, |(node, _)| *node as usize));
+        self.steepest = map.steepest(ends, nodes.unwrap_or_default());
+    }
+
+    /// The height below a cell, metres.
+    #[inline]
+    pub(super) fn at(&self, column: usize, row: usize) -> f32 {
+        let Some(&(near, far, share)) = self.rows.get(row) else { return 0.0 };
+        let line = |start: u32| self.lines.get(start as usize + column).copied().unwrap_or(0.0);
+        (line(near) * (1.0 - share) + line(far) * share) as f32
     }
 }
 

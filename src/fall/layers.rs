@@ -9,7 +9,7 @@ use super::schedule::Schedule;
 use super::shape::Shape;
 
 /// How much wider the cells of this lattice are than those in which leaves are laid, as a power of two.
-const WIDER: u32 = 2;
+pub(super) const WIDER: u32 = 2;
 /// Tells cells in which a leaf has been counted.
 const COUNTED: u16 = 1 << 15;
 
@@ -22,14 +22,15 @@ pub(super) struct Over {
     pub mean: f32,
 }
 
-/// What lies over each leaf; `extents` and `schedule` are in cells of `side` metres, `2^bits` along a block's side.
+/// What lies over each leaf of a schedule, told to `keep`; `extents` and `schedule` are in cells of `side` metres, `2^bits` along
+/// a block's side. The bytes of the lattice.
 pub(super) fn over(
     shapes: &[&Shape],
     landed: &[Landed],
     (schedule, extents): (&Schedule, &[Extent]),
     (side, bits): (f64, u32),
-) -> Vec<Over> {
-    let mut found = vec![Over::default(); landed.len()];
+    keep: impl FnMut(usize, Over),
+) -> u64 {
     let work = |(copy, cells): &mut (Vec<u16>, Vec<u32>), region: &mut super::columns::Region, number: usize| {
         let leaf = &landed[number];
         let Some(shape) = shapes.get(leaf.shape as usize) else { return Over::default() };
@@ -38,8 +39,9 @@ pub(super) fn over(
             counted(&mut patch, cells)
         })
     };
-    Columns::new(schedule, bits - WIDER).each(schedule, true, work, |number, over| found[number] = over);
-    found
+    let mut columns = Columns::new(schedule, bits - WIDER);
+    columns.each(schedule, true, work, keep);
+    columns.bytes()
 }
 
 /// The cells below a leaf, some of them more than once.

@@ -7,11 +7,12 @@
 //! leaves may come in any order.
 
 use super::changes::Changes;
-use super::columns::{Columns, Extent, Patch, Region};
+use super::columns::{Columns, Extent, Patch, Region, block_bytes};
 use super::contact::{Bed, Stance, Tools};
-use super::layers::over;
+use super::layers::{self, Over, WIDER};
 use super::schedule::Schedule;
 use super::shape::{Shape, Side};
+use super::windows::{MOST_BYTES, Reason, Window, Windows};
 use super::{Fallen, Ground};
 use crate::base::random::{Purpose, Stream};
 use crate::base::vector::{DVec2, DVec3};
@@ -81,8 +82,10 @@ pub fn settle(ground: &Ground, shapes: &[&Shape], landed: &[Landed]) -> Vec<Laid
 
 /// Litter that is laid again and again, as days go by: what lies as it lay, on what lies as it lay, is not laid anew. The
 /// answers are those of `settle`.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Litter {
+    /// What a field of heights may take, bytes; of more it is cut into windows.
+    most_bytes: usize,
     /// What the leaves lie on.
     ground: Ground,
     /// Sizes of cells: those of leaves that were laid in others are not theirs.
@@ -91,6 +94,8 @@ pub struct Litter {
     kept: Vec<Kept>,
     /// Leaves laid so far, each time that one was.
     pub settled: u64,
+    /// The most that a field of heights has taken so far, bytes.
+    pub field_bytes: u64,
 }
 
 /// A leaf that has been laid.
@@ -105,61 +110,117 @@ pub(super) struct Kept {
     laid: Laid,
 }
 
+impl Default for Litter {
+    fn default() -> Self {
+        Self::within(MOST_BYTES)
+    }
+}
+
 impl Litter {
+    /// Litter whose field of heights takes about so many bytes at most.
+    pub(super) fn within(most_bytes: usize) -> Self {
+        let (ground, cells, kept) = (Ground::default(), (0.0, 0), Vec::new());
+        Self { most_bytes, ground, cells, kept, settled: 0, field_bytes: 0 }
+    }
+
     /// Lays leaves as `settle` does. The shapes have to be the same at each call.
     pub fn settle(&mut self, ground: &Ground, shapes: &[&Shape], landed: &[Landed]) -> Vec<Laid> {
         let order = order(landed);
         let bed = Bed::new(ground, shapes, landed);
         if self.ground != *ground || self.cells != (bed.side, bed.bits) {
-            *self =
-                Self { ground: ground.clone(), cells: (bed.side, bed.bits), settled: self.settled, ..Self::default() };
+            (self.ground, self.cells) = (ground.clone(), (bed.side, bed.bits));
+            self.kept.clear();
         }
-        let extents: Vec<Extent> = landed.iter().map(|leaf| bed.extent(shapes, leaf)).collect();
-        let of = |leaves: &[u32]| Schedule::new(leaves.iter().map(|&place| (place, extents[place as usize])), bed.bits);
-        let over = over(shapes, landed, (&of(&order), &extents), (bed.side, bed.bits));
-        let new = |&place: &u32| {
-            let (place, leaf) = (place as usize, landed[place as usize]);
-            let form = (over[place].mean >= PRESSES, over[place].least >= BURIES);
-            Kept { landed: leaf, extent: extents[place], form, stance: None, laid: NOWHERE }
+        let sorted: Vec<Landed> = order.iter().map(|&place| landed[place as usize]).collect();
+        let extents: Vec<Extent> = sorted.iter().map(|leaf| bed.extent(shapes, leaf)).collect();
+        let over = self.over(&bed, shapes, &sorted, &extents);
+        let new = |rank: usize| {
+            let form = (over[rank].mean >= PRESSES, over[rank].least >= BURIES);
+            Kept { landed: sorted[rank], extent: extents[rank], form, stance: None, laid: NOWHERE }
         };
-        let mut leaves: Vec<Kept> = order.iter().map(new).collect();
+        let mut leaves: Vec<Kept> = (0..order.len()).map(new).collect();
         let changes = Changes::new(&self.kept, &leaves, bed.bits);
-        let before = |rank: usize| changes.before[rank].map(|before| &self.kept[before]);
-        let needed: Vec<u32> =
-            (0..order.len()).filter(|&rank| changes.is_needed(rank, &leaves)).map(|rank| rank as u32).collect();
-        let schedule = Schedule::new(needed.iter().map(|&rank| (rank, leaves[rank as usize].extent)), bed.bits);
-        let mut columns = Columns::new(&schedule, bed.bits);
-        let lay = |tools: &mut Tools, region: &mut Region, rank: usize| {
-            tools.with(region, leaves[rank].extent, |tools, mut patch| {
-                laid(&bed, tools, &mut patch, shapes, &leaves[rank], before(rank))
-            })
-        };
-        let mut found: Vec<Option<(Option<Stance>, Laid)>> = vec![None; order.len()];
-        columns.each(&schedule, false, lay, |rank, new| found[rank] = Some(new));
-        for (rank, found) in found.into_iter().enumerate() {
-            let kept = before(rank).map(|before| (before.stance, before.laid));
-            (leaves[rank].stance, leaves[rank].laid) = kept.or(found).unwrap_or((None, NOWHERE));
+        for (leaf, before) in leaves.iter_mut().zip(&changes.before) {
+            if let Some(before) = before.map(|before| &self.kept[before]) {
+                (leaf.stance, leaf.laid) = (before.stance, before.laid);
+            }
         }
         self.settled += changes.before.iter().filter(|before| before.is_none()).count() as u64;
-        let hides = |tools: &mut Tools, region: &mut Region, rank: usize| {
-            let Kept { landed, extent, form, stance, laid } = &leaves[rank];
-            let over = over[order[rank] as usize];
-            if !changes.is_seen_anew(rank, &leaves) {
-                return laid.is_buried;
-            }
-            let shape = worn(shapes, landed, *form).filter(|_| stance.is_some() && over.least > 0);
-            let own = Laid { is_buried: false, ..*laid };
-            let is_hidden = |shape| tools.with(region, *extent, |_, patch| bed.hides(&patch, shape, landed, &own));
-            form.1 || shape.is_some_and(is_hidden)
-        };
-        let mut hidden: Vec<bool> = leaves.iter().map(|leaf| leaf.laid.is_buried).collect();
-        columns.each(&schedule, false, hides, |rank, is_hidden| hidden[rank] = is_hidden);
-        leaves.iter_mut().zip(hidden).for_each(|(leaf, is_hidden)| leaf.laid.is_buried = is_hidden);
+        let needed: Vec<u32> =
+            (0..order.len()).filter(|&rank| changes.is_needed(rank, &leaves)).map(|rank| rank as u32).collect();
+        let most_blocks = self.most_bytes / block_bytes(bed.bits);
+        Windows::new(&extents, &needed, bed.bits, most_blocks).each(Reason::Laid, |window| {
+            let bytes = laid_in(window, &bed, shapes, &mut leaves, (&over, &changes));
+            self.field_bytes = self.field_bytes.max(bytes);
+        });
         let mut all = vec![NOWHERE; landed.len()];
         order.iter().zip(&leaves).for_each(|(&place, leaf)| all[place as usize] = leaf.laid);
         self.kept = leaves;
         all
     }
+
+    /// What lies over each of the leaves, in the order of their landings.
+    fn over(&mut self, bed: &Bed<'_>, shapes: &[&Shape], sorted: &[Landed], extents: &[Extent]) -> Vec<Over> {
+        let all: Vec<u32> = (0..sorted.len() as u32).collect();
+        let mut over = vec![Over::default(); sorted.len()];
+        let most_blocks = self.most_bytes / block_bytes(bed.bits - WIDER);
+        Windows::new(extents, &all, bed.bits, most_blocks).each(Reason::Counted, |window| {
+            let schedule = schedule(window, extents, bed.bits);
+            let keep = |rank: usize, found: Over| {
+                if window.owns(rank) {
+                    over[rank] = found;
+                }
+            };
+            let bytes = layers::over(shapes, sorted, (&schedule, extents), (bed.side, bed.bits), keep);
+            self.field_bytes = self.field_bytes.max(bytes);
+        });
+        over
+    }
+}
+
+fn schedule(window: &Window, extents: &[Extent], bits: u32) -> Schedule {
+    Schedule::new(window.leaves.iter().map(|&rank| (rank, extents[rank as usize])), bits)
+}
+
+/// Lays the leaves of a window; leaves that lie as before have their stances. The bytes of the field that it took.
+fn laid_in(
+    window: &Window,
+    bed: &Bed<'_>,
+    shapes: &[&Shape],
+    leaves: &mut [Kept],
+    (over, changes): (&[Over], &Changes),
+) -> u64 {
+    let extents = window.leaves.iter().map(|&rank| (rank, leaves[rank as usize].extent));
+    let schedule = Schedule::new(extents, bed.bits);
+    let mut columns = Columns::new(&schedule, bed.bits);
+    let mut found = Vec::with_capacity(window.own.len());
+    let lay = |tools: &mut Tools, region: &mut Region, rank: usize| {
+        tools.with(region, leaves[rank].extent, |tools, mut patch| {
+            laid(bed, tools, &mut patch, shapes, &leaves[rank], changes.before[rank].is_some())
+        })
+    };
+    columns.each(&schedule, false, lay, |rank, new| {
+        if window.owns(rank) {
+            found.push((rank, new));
+        }
+    });
+    for (rank, new) in found.into_iter().filter(|(rank, _)| changes.before[*rank].is_none()) {
+        (leaves[rank].stance, leaves[rank].laid) = new;
+    }
+    let hides = |tools: &mut Tools, region: &mut Region, rank: usize| {
+        let Kept { landed, extent, form, stance, laid } = &leaves[rank];
+        if !window.owns(rank) || !changes.is_seen_anew(rank, leaves) {
+            return laid.is_buried;
+        }
+        let shape = worn(shapes, landed, *form).filter(|_| stance.is_some() && over[rank].least > 0);
+        let own = Laid { is_buried: false, ..*laid };
+        let is_hidden = |shape| tools.with(region, *extent, |_, patch| bed.hides(&patch, shape, landed, &own));
+        form.1 || shape.is_some_and(is_hidden)
+    };
+    let mut hidden = Vec::with_capacity(window.own.len());
+    columns.each(&schedule, false, hides, |rank, is_hidden| hidden.push((rank, is_hidden)));
+    hidden.into_iter().for_each(|(rank, is_hidden)| leaves[rank].laid.is_buried = is_hidden);
+    columns.bytes()
 }
 
 /// Lays a leaf, or puts it where it lay before.
@@ -169,14 +230,14 @@ fn laid(
     patch: &mut Patch<'_>,
     shapes: &[&Shape],
     leaf: &Kept,
-    before: Option<&Kept>,
+    is_kept: bool,
 ) -> (Option<Stance>, Laid) {
     let Kept { landed, form, .. } = leaf;
     let Some(shape) = worn(shapes, landed, *form) else { return (None, NOWHERE) };
     if form.1 {
         return (None, Laid { is_pressed: form.0, ..bed.bury(patch, shape, landed) });
     }
-    let kept = before.and_then(|before| before.stance);
+    let kept = leaf.stance.filter(|_| is_kept);
     let stance = kept.unwrap_or_else(|| bed.rest(tools, patch, shape, landed));
     bed.add((tools, kept.is_none()), patch, shape, landed, &stance);
     (Some(stance), Laid { is_pressed: form.0, ..bed.laid(shape, landed, &stance) })

@@ -3,11 +3,12 @@
 //! 1. `flight`: the way down, a closed form of the time since the leaf let go: descent at the speed of its mass and area,
 //!    flutter, tumbling or a spiral by its Froude number, wind and gusts (`wind`) integrated exactly;
 //! 2. `fate`: whether it hangs, flies, lies (as it fell, brown, flat) or has decayed;
-//! 3. `drift` and `ground`: where it comes to rest: gusts of later days roll it along, litter gathers in patches, and not within
-//!    trunks;
+//! 3. `landing`, `drift` and `ground`: where it comes to rest: its way ends where it first meets the ground; gusts of later days
+//!    roll it along, litter gathers in patches, slides off steep slopes and does not lie within trunks;
 //! 4. `litter`: how it lies on the ground and on what lies there already: on three points of its shape (`shape`, `support`)
 //!    down to the first contact (`contact`), pressed by what lies over it (`layers`). Leaves that do not meet are laid at the
-//!    same time (`schedule`), and what lies as it lay in the frame before is kept (`changes`).
+//!    same time (`schedule`), what lies as it lay in the frame before is kept (`changes`), and scattered litter is laid in
+//!    `windows`, one after another, for the memory's sake.
 //!
 //! Every result is a function of the seed, the leaf and the time; the litter of a time is made from all earlier falls, in
 //! the order in which they landed. No step follows from a step before, so a frame alone equals the same frame of a run.
@@ -27,6 +28,7 @@ mod flight;
 mod footprint;
 mod ground;
 mod heights;
+mod landing;
 mod layers;
 mod lines;
 mod litter;
@@ -39,6 +41,7 @@ mod support;
 #[cfg(test)]
 mod tests;
 mod wind;
+mod windows;
 
 pub use check::{check, check_decay};
 pub use descent::{Descent, froude, terminal_speed};
@@ -46,10 +49,12 @@ pub use fate::{Counts, Course, Fate};
 pub use flight::{Flight, Motion};
 pub use ground::{Ground, Trunk};
 pub use heights::HeightMap;
+pub use landing::Slopes;
 pub use litter::{Laid, Landed, Litter, lot, settle};
 pub use settings::{Decay, Settings};
 pub use shape::{Shape, Side, Stalk};
 pub use wind::Wind;
+pub use windows::most_field_bytes;
 
 use crate::base::vector::DVec3;
 

@@ -88,6 +88,44 @@ fn litter_that_is_laid_from_day_to_day_lies_as_if_it_were_laid_at_once() {
     assert!(laid[0] == 500 && laid[1] < 250 && laid[2] == 0 && laid[5] < 250 && laid[9] == 9, "{laid:?}");
 }
 
+/// Uneven ground over six metres.
+fn hills() -> Ground {
+    let rows: Vec<Vec<f64>> = (0..4).map(|z| (0..4).map(|x| 0.4 * f64::from((3 * x + 5 * z) % 4)).collect()).collect();
+    Ground { heights: HeightMap::smoothed(&rows, 2.0).map(Arc::new), ..Ground::default() }
+}
+
+#[test]
+fn litter_that_is_laid_in_windows_lies_as_if_it_were_laid_at_once() {
+    let shapes: Vec<Shape> = shapes().iter().map(|mesh| Shape::new(mesh, Stalk::default())).collect();
+    let shapes: Vec<&Shape> = shapes.iter().collect();
+    for (ground, half) in [(Ground::default(), 4.0), (Ground::default(), 1.4), (hills(), 2.2)] {
+        let all = heap(2500, half);
+        let (mut cut, mut whole) = (Litter::within(4 << 20), Litter::default());
+        for count in [2000, 2300, 2500] {
+            let landed = &all[count - 2000..count];
+            assert!(cut.settle(&ground, &shapes, landed) == whole.settle(&ground, &shapes, landed), "{half} {count}");
+        }
+        assert!(cut.settled == whole.settled && cut.field_bytes < whole.field_bytes, "{half}");
+    }
+}
+
+#[test]
+fn the_field_takes_what_is_foretold_and_no_more_however_far_leaves_are_scattered() {
+    let shapes: Vec<Shape> = shapes().iter().map(|mesh| Shape::new(mesh, Stalk::default())).collect();
+    let shapes: Vec<&Shape> = shapes.iter().collect();
+    let taken = |count: u64, half: f64| {
+        let mut litter = Litter::default();
+        litter.settle(&Ground::default(), &shapes, &heap(count, half));
+        (litter.field_bytes as f64, most_field_bytes(count as f64))
+    };
+    for (count, half, of_foretold) in
+        [(1, 0.1, 0.1), (300, 7.0, 0.4), (3000, 7.0, 0.4), (300, 60.0, 0.0), (3000, 120.0, 0.0), (900, 0.8, 0.0)]
+    {
+        let (bytes, foretold) = taken(count, half);
+        assert!(bytes <= foretold && bytes >= of_foretold * foretold, "{count} over {half} m: {bytes} of {foretold}");
+    }
+}
+
 /// Surfaces over a square of ground: the top of what has been added.
 struct Tops {
     side: usize,

@@ -28,8 +28,8 @@ pub(super) struct Task {
 
 /// Leaves in tasks, tasks in phases.
 pub(super) struct Schedule {
-    /// How many blocks leaves reach into.
-    pub blocks: usize,
+    /// The parts that leaves reach into of each block.
+    pub blocks: Vec<Extent>,
     tasks: Vec<Task>,
     leaves: Vec<u32>,
 }
@@ -42,6 +42,7 @@ impl Schedule {
         let mut placed: Vec<(u32, [u32; 2], u32)> = Vec::new();
         for (leaf, extent) in leaves {
             let parts = extent.coarser(bits - PARTS_BITS);
+            blocks.reach(parts);
             let of = parts.coarser(PARTS_BITS);
             let phase = shifted(blocks.latest(parts), of);
             blocks.mark(parts, phase);
@@ -56,7 +57,7 @@ impl Schedule {
                 _ => tasks.push(Task { phase, corner, blocks: blocks.of(corner), leaves: place..place + 1 }),
             }
         }
-        Self { blocks: blocks.phases.len(), tasks, leaves: placed.iter().map(|(.., leaf)| *leaf).collect() }
+        Self { blocks: blocks.reached, tasks, leaves: placed.iter().map(|(.., leaf)| *leaf).collect() }
     }
 
     /// The tasks of each phase.
@@ -106,10 +107,29 @@ pub(super) fn by_blocks(
 #[derive(Default)]
 struct Blocks {
     numbers: HashMap<[u32; 2], u32>,
+    /// The parts of each block that leaves reach into, from the first to the last.
+    reached: Vec<Extent>,
     phases: Vec<[u32; 1 << (2 * PARTS_BITS)]>,
 }
 
 impl Blocks {
+    /// Makes the blocks of parts, and room in them.
+    fn reach(&mut self, parts: Extent) {
+        for (block, rows, columns) in by_blocks(parts) {
+            let first = block.map(|number| number << PARTS_BITS);
+            let low = [first[0] + *columns.start() as u32, first[1] + *rows.start() as u32];
+            let high = [first[0] + *columns.end() as u32, first[1] + *rows.end() as u32];
+            let number = *self.numbers.entry(block).or_insert(self.phases.len() as u32) as usize;
+            match self.reached.get_mut(number) {
+                Some(reached) => *reached = reached.with(Extent { low, high }),
+                None => {
+                    self.reached.push(Extent { low, high });
+                    self.phases.push([0; 1 << (2 * PARTS_BITS)]);
+                }
+            }
+        }
+    }
+
     fn latest(&mut self, parts: Extent) -> u32 {
         let mut latest = 0;
         self.visit(parts, |phase| latest = latest.max(*phase));
@@ -122,14 +142,11 @@ impl Blocks {
 
     fn visit(&mut self, parts: Extent, mut visit: impl FnMut(&mut u32)) {
         for (block, rows, columns) in by_blocks(parts) {
-            let next = self.phases.len() as u32;
-            let number = *self.numbers.entry(block).or_insert(next) as usize;
-            if number == self.phases.len() {
-                self.phases.push([0; 1 << (2 * PARTS_BITS)]);
-            }
+            let number = self.numbers.get(&block).map_or(usize::MAX, |number| *number as usize);
+            let Some(phases) = self.phases.get_mut(number) else { continue };
             for row in rows {
                 let [from, to] = [*columns.start(), *columns.end()].map(|column| row << PARTS_BITS | column);
-                self.phases[number][from..=to].iter_mut().for_each(&mut visit);
+                phases[from..=to].iter_mut().for_each(&mut visit);
             }
         }
     }

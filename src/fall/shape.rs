@@ -92,7 +92,8 @@ impl Points {
     }
 
     /// All points; some more than once.
-    pub(super) fn iter(&self) -> impl Iterator<Item = [f32; 3]> {
+    #[cfg(test)]
+    fn iter(&self) -> impl Iterator<Item = [f32; 3]> {
         self.groups.iter().flat_map(|group| (0..LANES).map(|lane| group.at.map(|values| values[lane])))
     }
 }

@@ -21,10 +21,8 @@ const CANOPY_BYTES: f64 = 200.0;
 const READ_BYTES: f64 = 2.0 * 4.0 / (4096.0 * 4096.0);
 /// Memory of a leaf as it was drawn in the last frame, with its places in the picture and in the map of shadows, bytes.
 const DRAWN_BYTES: f64 = 280.0;
-/// Memory of a fallen leaf, bytes, of the field of heights about a leaf by itself, and of a square metre of that field.
+/// Memory of a fallen leaf, bytes.
 const FALL_BYTES: f64 = 700.0;
-const LONE_BYTES: f64 = 4000.0;
-const AREA_BYTES: f64 = 7e4;
 /// Memory of a line of the file of states, bytes.
 const LINE_BYTES: f64 = 64.0;
 /// Memory of a leaf's node while a glTF file is made, bytes (measured: 750), and of an instance's numbers (measured: 60).
@@ -103,7 +101,7 @@ fn kept(cell: &Prepared) -> Parts {
     let Prepared { scene, stand, plan, .. } = cell;
     let mut parts = vec![("tree", self::stand(stand))];
     if plan.has("fall") {
-        parts.push(("fall", litter(scene, stand)));
+        parts.push(("fall", litter(stand.leaf_ids.len() as f64)));
     }
     let states = plan.frames.len() as f64 * (stand.leaf_ids.len() * STATE_BYTES) as f64;
     parts.push(("time", states.min(KEPT_BYTES as f64)));
@@ -117,18 +115,15 @@ fn kept(cell: &Prepared) -> Parts {
     parts
 }
 
-/// What the litter takes when every leaf has fallen: a leaf with its way, and a field of heights where leaves lie, which
-/// grows with the leaves until they cover the ground that wind carries them to.
-fn litter(scene: &Scene, stand: &Stand) -> f64 {
-    let leaves = stand.leaf_ids.len() as f64;
-    let reach = |form: &Form| form.crown_radius + 3.0 * scene.fall.wind * form.height;
-    let area = stand.standing().map(|(form, _)| 4.0 * reach(form) * reach(form)).sum::<f64>();
-    leaves * FALL_BYTES + (leaves * LONE_BYTES).min(area * AREA_BYTES)
+/// What the litter takes when all of so many leaves have fallen: each with its way, and the field of heights that they are laid
+/// in.
+fn litter(leaves: f64) -> f64 {
+    leaves * FALL_BYTES + crate::fall::most_field_bytes(leaves)
 }
 
-/// What the litter takes of so many leaves that lie far apart.
+/// What the litter takes of so many leaves, if leaves fall.
 pub fn litter_at_most(scene: &Scene, leaves: f64) -> f64 {
-    if scene.leaves_fall() { leaves * (FALL_BYTES + LONE_BYTES) } else { 0.0 }
+    if scene.leaves_fall() { litter(leaves) } else { 0.0 }
 }
 
 /// What so many shapes and textures of a species take.
