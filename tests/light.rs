@@ -107,8 +107,10 @@ fn a_turntable_begins_with_the_scene_s_own_view_and_comes_around() {
 #[test]
 fn a_plain_background_changes_nothing_but_what_lies_behind() {
     let shown = leaves(SHOOT);
+    // Soil: a blade of grass may stand before a leaf.
+    let soil = "ground.kind=soil";
     let [sky, plain] =
-        [only(SHOOT, &[]), only(SHOOT, &["image.background=plain", "image.background_colour=[0.2,0.5,0.9]"])];
+        [only(SHOOT, &[soil]), only(SHOOT, &[soil, "image.background=plain", "image.background_colour=[0.2,0.5,0.9]"])];
     let corner = plain.at(0, 0);
     assert!(corner[0].abs_diff(51) < 24 && corner[1].abs_diff(128) < 12 && corner[2].abs_diff(230) < 12, "{corner:?}");
     assert_ne!(corner, sky.at(0, 0));

@@ -339,7 +339,7 @@ fn every_species_is_green_in_summer_and_turns_in_its_time() {
     let names: Vec<&str> = leafseason::species::names().collect();
     for species in names {
         let text = format!(
-            "species = \"{species}\"\nclimate = {{ latitude = 44.0 }}\ntree = {{ age = 6 }}\n\
+            "species = \"{species}\"\nclimate = {{ latitude = 44.0 }}\ntree = {{ age = 7 }}\n\
              time = {{ from = 0, to = 364, step = 2 }}"
         );
         let report = reported(&read(&text, &[]));

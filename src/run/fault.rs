@@ -113,7 +113,13 @@ pub fn deform(species: &Species, error: &DeformError) -> Diagnostics {
 
 /// A file that could not be written.
 pub fn written(error: &WriteError) -> Diagnostics {
-    Diagnostic::error(Fault::Output, error.to_string(), "free space there, or name another place").into()
+    let help = match error {
+        WriteError::FolderInTheWay { .. } => "name another file",
+        WriteError::NoName { .. } => "end the path with a file's name",
+        WriteError::NoFolder { .. } => "make the folder first, or name another place",
+        WriteError::System { .. } => "free space there, or name another place",
+    };
+    Diagnostic::error(Fault::Output, error.to_string(), help).into()
 }
 
 /// An output that could not be encoded.

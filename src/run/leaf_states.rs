@@ -10,6 +10,8 @@ use std::collections::BTreeMap;
 const NO_STATE: u16 = u16::MAX;
 /// Chance of a jump in a step of the paper's rule from which its law is off by more than a hundredth.
 const LONG_STEP: f64 = 0.14;
+/// Share of a weather's days outside the chain's corners above which the person is told.
+const NOTED: f64 = 0.5;
 
 /// The leaves of all species of a scene, with what is expected of them.
 pub struct Seasons {
@@ -117,7 +119,7 @@ impl Seasons {
 
     /// What the person should know of weather and rules.
     fn note(&self, day: f64, figures: &mut Figures) {
-        let (mut clamped, mut days, mut longest) = (0, 0, 0.0);
+        let (mut clamped, mut days, mut longest) = (0usize, 0usize, 0.0);
         for part in &self.parts {
             let (outside, all) = part.population.clamped();
             (clamped, days) = (clamped.max(outside), days.max(all));
@@ -128,7 +130,8 @@ impl Seasons {
         if let Some(error) = errors.reduce(f64::max) {
             figures.values.insert("step_error".to_owned(), error.into());
         }
-        if clamped > 0 {
+        // Single days beyond the corners are every winter's; the figure says so, a note would only tire.
+        if clamped as f64 > NOTED * days as f64 {
             let corners = "outside the corners of [season] (cold to warm, dry to wet)";
             figures.notes.push(match days {
                 1 => format!("the climate lies {corners} and counts as the nearest between them"),

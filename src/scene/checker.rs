@@ -222,6 +222,7 @@ impl<'a> Checker<'a> {
             (Kind::Number | Kind::Integer, DeValue::String(_)) => "write the number without quotes".to_owned(),
             (Kind::Integer, DeValue::Float(_)) => "write it without a decimal point".to_owned(),
             (Kind::Text | Kind::Choice(_), DeValue::Array(_) | DeValue::Table(_)) => "write one string".to_owned(),
+            (Kind::Choice(_), DeValue::Boolean(_)) => "write one of them, in quotes".to_owned(),
             (Kind::Text | Kind::Choice(_), _) => "put it in quotes".to_owned(),
             (Kind::Table(_) | Kind::Map(_), _) => format!("write [{}] and its keys below", shown(&wanted.path, QUOTED)),
             _ => format!("write {}", noun(wanted.kind)),

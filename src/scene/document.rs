@@ -62,6 +62,7 @@ fn help(message: &str) -> &'static str {
         ("escape", "in \"...\" a backslash begins an escape: write paths in '...' or with /"),
         ("duplicate key", "keep one of the two"),
         ("recursion", "lists and tables lie too deep in one another: at most 80 levels"),
+        ("string values must be quoted", "put text in quotes: key = \"text\""),
         ("string", "end the string with the quote it began with, on the same line"),
         ("key with no value", "write `key = value`"),
         ("=", "write `key = value`"),

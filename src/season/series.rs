@@ -205,7 +205,8 @@ impl Reader<'_> {
         if step > LONGEST_GAP + 1 {
             let what = format!("{} days are missing before {date}", step - 1);
             let help = format!("give them: up to {LONGEST_GAP} days in a row are filled in");
-            return self.fault(field.clone(), what, &help);
+            // Told once: the days after it are judged as if they had been given.
+            self.fault(field.clone(), what, &help);
         }
         if self.days.len() + step as usize > MOST_DAYS {
             return self.fault(field.clone(), format!("with this the series has more than {MOST_DAYS} days"), "cut it");
@@ -261,7 +262,9 @@ mod tests {
         let series = read(&format!("{HEADER}2017-01-01,1,0,50,9\n2017-01-05,5,8,70,9\n")).unwrap();
         assert_eq!((series.days.len(), series.filled), (5, 3));
         assert_eq!((series.days[2].temperature, series.days[2].humidity), (4.0, Some(0.6)));
-        assert_eq!(faults("2017-01-01,1,0,50,9\n2017-01-20,5,8,70,9\n")[0].1, "18 days are missing before 2017-01-20");
+        let found = faults("2017-01-01,1,0,50,9\n2017-01-20,5,8,70,9\n2017-01-21,5,8,70,9\n");
+        assert_eq!(found.len(), 1, "told once: {found:?}");
+        assert_eq!(found[0].1, "18 days are missing before 2017-01-20");
     }
 
     #[test]
