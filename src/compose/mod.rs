@@ -216,7 +216,7 @@ impl Stock {
                 let length = length * petiole.length();
                 self.petiole_bases.insert((number, petiole), petiole::base(length, bend));
                 let part = material.map(|material| {
-                    let mesh = self.push_mesh(Arc::new(petiole::mesh(length, bend)));
+                    let mesh = self.push_mesh(Arc::new(petiole::mesh(length, bend, species.leaf.vertices)));
                     Part { mesh, material }
                 });
                 (petiole, part)

@@ -9,8 +9,10 @@ use std::f64::consts::TAU;
 
 /// Sides of the tube: it is seen a pixel wide at most.
 const SIDES: usize = 3;
-/// Pieces along it.
-const PIECES: usize = 4;
+/// Pieces along it, below blades of few triangles and below all others, whose bend is smooth from near too.
+const PIECES: [usize; 2] = [4, 10];
+/// Vertices of a blade from which its petiole has the more pieces.
+const FINE: u32 = 200;
 /// Radius in the middle over the length; a red maple's petiole of 75 mm is 1.3 mm thick (judged).
 const SLENDERNESS: f64 = 0.009;
 
@@ -56,9 +58,10 @@ pub(super) fn base(length: f64, bend: f64) -> Vec3 {
     Vec3::new(0.0, (-length * cos(bend)) as f32, (-length * sin(bend)) as f32)
 }
 
-/// The tube. It leaves the twig straight and bends into the blade's plane along a quadratic Bezier curve.
-pub(super) fn mesh(length: f64, bend: f64) -> Mesh {
-    tube(length, bend, PIECES)
+/// The tube below a blade of so many vertices. It leaves the twig straight and bends into the blade's plane along a quadratic
+/// Bezier curve.
+pub(super) fn mesh(length: f64, bend: f64, vertices: u32) -> Mesh {
+    tube(length, bend, PIECES[usize::from(vertices >= FINE)])
 }
 
 /// A tube in one piece: the petiole of a leaf that lies on the ground, where there are many.
@@ -101,11 +104,11 @@ mod tests {
 
     #[test]
     fn the_tube_runs_from_the_twig_to_the_joint_and_faces_outward() {
-        let tube = mesh(0.06, 0.8);
+        let tube = mesh(0.06, 0.8, FINE);
         assert_eq!(tube.check(), Ok(()));
         let ring = |r: usize| (0..SIDES).map(|s| tube.positions[r * SIDES + s]).sum::<Vec3>() / SIDES as f32;
         assert!((ring(0) - base(0.06, 0.8)).norm() < 1e-6);
-        assert!(ring(PIECES).norm() < 1e-6);
+        assert!(ring(PIECES[1]).norm() < 1e-6);
         assert!((ring(0).norm() - 0.06).abs() < 1e-6);
         for triangle in &tube.triangles {
             let [a, b, c] = triangle.map(|v| tube.positions[v as usize]);
