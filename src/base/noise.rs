@@ -11,11 +11,20 @@ pub fn fade(t: f32) -> f32 {
 }
 
 /// A lattice of nodes one unit apart.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lattice {
     salt: u64,
     /// Nodes after which each coordinate repeats; 0 for never.
     periods: [i64; 2],
+}
+
+/// The nodes around the place that was asked for last: places close together share them.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Nodes {
+    /// The lattice and the least of the nodes, once one was asked for.
+    of: Option<(Lattice, i64, i64)>,
+    /// Their bits, row by row.
+    bits: [u64; 4],
 }
 
 /// Where a point lies in a Voronoi tessellation of jittered lattice points (Worley 1996).
@@ -62,36 +71,50 @@ impl Lattice {
 
     /// A node's number in [0, 1).
     fn unit(&self, x: i64, y: i64) -> f32 {
-        (self.node(x, y) >> 40) as f32 * (1.0 / (1u64 << 24) as f32)
+        unit(self.node(x, y))
+    }
+
+    /// The bits of the four nodes from a least one on, found anew only where they are not those of the last place.
+    #[inline]
+    fn around(&self, nodes: &mut Nodes, i: i64, j: i64) -> [u64; 4] {
+        let of = Some((*self, i, j));
+        if nodes.of != of {
+            let bits = [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].map(|(x, y)| self.node(x, y));
+            *nodes = Nodes { of, bits };
+        }
+        nodes.bits
     }
 
     /// Value noise in 0..1, features one unit across.
     #[must_use]
     pub fn value(&self, x: f32, y: f32) -> f32 {
+        self.value_by(&mut Nodes::default(), x, y)
+    }
+
+    /// `value`, by nodes that are kept from place to place.
+    #[must_use]
+    pub fn value_by(&self, nodes: &mut Nodes, x: f32, y: f32) -> f32 {
         let (i, j, dx, dy) = split(x, y);
         let (u, v) = (fade(dx), fade(dy));
-        let [a, b] = [j, j + 1].map(|j| mix(self.unit(i, j), self.unit(i + 1, j), u));
-        mix(a, b, v)
+        let [a, b, c, d] = self.around(nodes, i, j).map(unit);
+        mix(mix(a, b, u), mix(c, d, u), v)
     }
 
     /// Gradient noise (Perlin 2002) with mean 0, about -0.7 to 0.7, features one unit across.
     #[must_use]
     pub fn gradient(&self, x: f32, y: f32) -> f32 {
-        let (i, j, dx, dy) = split(x, y);
-        let (u, v) = (fade(dx), fade(dy));
-        let (a, b) = (self.slope(i, j, dx, dy), self.slope(i + 1, j, dx - 1.0, dy));
-        let (c, d) = (self.slope(i, j + 1, dx, dy - 1.0), self.slope(i + 1, j + 1, dx - 1.0, dy - 1.0));
-        mix(mix(a, b, u), mix(c, d, u), v)
+        self.gradient_by(&mut Nodes::default(), x, y)
     }
 
-    /// What a node's gradient comes to so far from it.
-    #[inline(always)]
-    fn slope(&self, x: i64, y: i64, dx: f32, dy: f32) -> f32 {
-        let bits = self.node(x, y);
-        // A gradient from a square of side 2: cheaper than a circle, and its bias is lost in the octaves.
-        let gx = ((bits & 0xffff) as f32 + 0.5) / 32768.0 - 1.0;
-        let gy = ((bits >> 16 & 0xffff) as f32 + 0.5) / 32768.0 - 1.0;
-        gx * dx + gy * dy
+    /// `gradient`, by nodes that are kept from place to place.
+    #[must_use]
+    pub fn gradient_by(&self, nodes: &mut Nodes, x: f32, y: f32) -> f32 {
+        let (i, j, dx, dy) = split(x, y);
+        let (u, v) = (fade(dx), fade(dy));
+        let [a, b, c, d] = self.around(nodes, i, j);
+        let upper = mix(slope(a, dx, dy), slope(b, dx - 1.0, dy), u);
+        let lower = mix(slope(c, dx, dy - 1.0), slope(d, dx - 1.0, dy - 1.0), u);
+        mix(upper, lower, v)
     }
 
     /// The cell of a point.
@@ -112,9 +135,24 @@ impl Lattice {
                 }
             }
         }
-        let value = (hash(owner, 1) >> 40) as f32 * (1.0 / (1u64 << 24) as f32);
+        let value = unit(hash(owner, 1));
         Cell { value, distance: first.sqrt(), clearance: second.sqrt() - first.sqrt() }
     }
+}
+
+/// Bits as a number in [0, 1).
+#[inline(always)]
+fn unit(bits: u64) -> f32 {
+    (bits >> 40) as f32 * (1.0 / (1u64 << 24) as f32)
+}
+
+/// What a node's gradient, told from its bits, comes to so far from it.
+#[inline(always)]
+fn slope(bits: u64, dx: f32, dy: f32) -> f32 {
+    // A gradient from a square of side 2: cheaper than a circle, and its bias is lost in the octaves.
+    let gx = ((bits & 0xffff) as f32 + 0.5) / 32768.0 - 1.0;
+    let gy = ((bits >> 16 & 0xffff) as f32 + 0.5) / 32768.0 - 1.0;
+    gx * dx + gy * dy
 }
 
 /// The node below a point and the way from it. Quicker than `floor`, which old processors lack.
@@ -190,6 +228,26 @@ impl Octave {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn nodes_that_are_kept_change_no_bit() {
+        let lattices = [Lattice::new(3), Lattice::periodic(3, [5, 0]), Lattice::new(8)];
+        let mut kept = Nodes::default();
+        for step in 0..600 {
+            // Back and forth, over nodes, and from lattice to lattice at one place.
+            let (x, y) = ((step % 37) as f32 * 0.31 - 4.0, (step % 53) as f32 * 0.17 - 3.0);
+            for lattice in lattices {
+                for _ in 0..2 {
+                    let found = lattice.gradient_by(&mut kept, x, y);
+                    assert_eq!(found.to_bits(), lattice.gradient(x, y).to_bits());
+                    let found = lattice.value_by(&mut kept, x, y);
+                    assert_eq!(found.to_bits(), lattice.value(x, y).to_bits());
+                }
+            }
+        }
+        let [a, b, _] = lattices.map(|lattice| lattice.gradient(-3.3, 0.4));
+        assert!(a != b);
+    }
 
     #[test]
     fn all_kinds_repeat_after_their_periods_and_keep_their_range() {

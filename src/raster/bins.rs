@@ -2,8 +2,8 @@
 
 use super::cluster::{Cluster, ClusteredMesh};
 use super::coverage::SIDE;
-use super::projection::Projection;
-use crate::base::vector::Vec3;
+use super::projection::{Lens, Projection, Screen, composed};
+use crate::base::vector::{Affine, Vec3};
 use crate::frame::{Frame, Instance};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -15,6 +15,12 @@ const LYING_ERROR: f32 = 4.0;
 const THINNEST: f32 = 0.2;
 /// Instances that one task bins; fixed, so that the order of items does not depend on the threads.
 const CHUNK: usize = 1024;
+
+/// Size up to which an item is small in the picture, pixels.
+const SMALL: i32 = 48;
+
+/// A box of pixels (left, top, right, bottom; inclusive).
+type Bounds = [i32; 4];
 
 /// A cluster of an instance.
 #[derive(Clone, Copy, Debug)]
@@ -35,8 +41,10 @@ pub(super) struct Item {
     pub pixel: f32,
     /// Whether no part of it reaches where triangles are cut.
     pub is_whole: bool,
-    /// Box of pixels that holds it: left, top, right, bottom, inclusive.
-    pub bounds: [i32; 4],
+    /// Whether it is at most [`SMALL`] pixels wide and high in the picture, taken as if it lay where it is nearest.
+    pub is_small: bool,
+    /// What holds it.
+    pub bounds: Bounds,
 }
 
 impl Item {
@@ -58,6 +66,12 @@ pub(super) struct Bins {
 }
 
 impl Bins {
+    /// Square bins without anything in them.
+    #[cfg(test)]
+    pub(super) fn empty(columns: usize) -> Self {
+        Self { columns, rows: columns, items: Vec::new(), tiles: vec![Vec::new(); columns * columns] }
+    }
+
     /// Bins instances of a frame's models for a picture of `size` pixels. Meshes are taken in the coarsest level that is
     /// within `lod_error` pixels.
     pub(super) fn new(
@@ -116,6 +130,31 @@ impl Bins {
     }
 }
 
+/// The part of a box that lies in a picture whose last column and row are `limits`; none when nothing does.
+fn within(bounds: [f32; 4], limits: [i32; 2]) -> Option<Bounds> {
+    let [left, top, right, bottom] = bounds.map(|edge| edge.floor() as i32);
+    let is_beside = right < 0 || bottom < 0 || left > limits[0] || top > limits[1];
+    (!is_beside).then(|| [left.max(0), top.max(0), right.min(limits[0]), bottom.min(limits[1])])
+}
+
+/// A box of pixels that holds what a camera sees of a cluster: of its sphere or, where that is wide, of its vertices, which may
+/// lie flat or far apart in it.
+fn seen_within(projection: &Projection, cluster: &Cluster, transform: &Affine, is_whole: bool) -> Option<[f32; 4]> {
+    let scale = transform.linear.column(0).norm();
+    let bounds = projection.tangent_bounds(transform.point(cluster.centre), cluster.radius * scale)?;
+    let is_wide = bounds[2] - bounds[0] > SIDE as f32 || bounds[3] - bounds[1] > SIDE as f32;
+    if !is_whole || !is_wide {
+        return Some(bounds);
+    }
+    let map = composed(&projection.map, transform);
+    let seen = cluster.positions.iter().map(|&position| projection.screen(map.point(position)));
+    let none = [f32::MAX, f32::MAX, f32::MIN, f32::MIN];
+    let [left, top, right, bottom] = seen.fold(none, |[left, top, right, bottom], Screen { x, y, .. }| {
+        [left.min(x), top.min(y), right.max(x), bottom.max(y)]
+    });
+    Some([left - 1.0, top - 1.0, right + 1.0, bottom + 1.0])
+}
+
 fn push_items(
     frame: &Frame,
     meshes: &[Arc<ClusteredMesh>],
@@ -137,10 +176,14 @@ fn push_items(
         for (cluster_number, cluster) in mesh.levels[level].clusters.iter().enumerate() {
             let centre: Vec3 = instance.transform.point(cluster.centre);
             let Some((bounds, nearness)) = projection.sphere_bounds(centre, cluster.radius * scale) else { continue };
-            let [left, top, right, bottom] = bounds.map(|edge| edge.floor() as i32);
-            if right < 0 || bottom < 0 || left > limits[0] || top > limits[1] {
-                continue;
-            }
+            let Some(around) = within(bounds, limits) else { continue };
+            let is_whole = projection.holds(centre, cluster.radius * scale);
+            let bounds = match projection.lens {
+                Lens::Parallel => Some(around),
+                Lens::Perspective => seen_within(projection, cluster, &instance.transform, is_whole)
+                    .and_then(|bounds| within(bounds, limits)),
+            };
+            let Some(bounds) = bounds else { continue };
             items.push(Item {
                 instance: number,
                 mesh: part.mesh,
@@ -149,9 +192,51 @@ fn push_items(
                 cluster: cluster_number as u32,
                 nearness,
                 pixel: projection.least_metres(centre, cluster.radius * scale) / scale.max(1e-12),
-                is_whole: projection.holds(centre, cluster.radius * scale),
-                bounds: [left.max(0), top.max(0), right.min(limits[0]), bottom.min(limits[1])],
+                is_whole,
+                is_small: around[2] - around[0] <= SMALL && around[3] - around[1] <= SMALL,
+                bounds,
             });
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::mesh::Mesh;
+    use crate::base::vector::Vec2;
+    use crate::frame::Camera;
+
+    #[test]
+    fn what_lies_flat_is_held_by_a_flat_box_and_what_is_beside_the_eye_by_one_on_its_side() {
+        let corners = [[-2.0, -1.0], [2.0, -1.0], [2.0, 1.0], [-2.0, 1.0]];
+        let mesh = Mesh {
+            positions: corners.map(|[x, z]| Vec3::new(x, 0.0, z)).into(),
+            normals: vec![Vec3::y(); 4],
+            uvs: vec![Vec2::zeros(); 4],
+            triangles: vec![[0, 2, 1], [0, 3, 2]],
+        };
+        let (position, target) = (Vec3::new(0.0, 1.6, 6.0), Vec3::new(0.0, 1.6, 0.0));
+        let camera = Camera { position, target, field_of_view: 0.8, near: 0.05, far: 1e3 };
+        let view = Projection::camera(&camera, 800, 600);
+        let clustered = ClusteredMesh::new(&mesh);
+        let cluster = &clustered.full()[0];
+        let at = |place: Vec3| {
+            let transform = Affine { translation: place, ..Affine::identity() };
+            let is_whole = view.holds(place, cluster.radius);
+            (is_whole, seen_within(&view, cluster, &transform, is_whole).expect("before the eye"))
+        };
+        let (is_whole, [left, top, right, bottom]) = at(Vec3::zeros());
+        for place in &cluster.positions {
+            let seen = view.screen(view.map.point(*place));
+            assert!(seen.x > left && seen.x < right && seen.y > top && seen.y < bottom);
+        }
+        assert!(is_whole && right - left < 700.0 && bottom - top < 0.3 * (right - left));
+        // Below the horizon, which its sphere is not.
+        assert!(
+            top > 300.0 && view.tangent_bounds(Vec3::zeros(), cluster.radius).is_some_and(|[_, top, ..]| top < 300.0)
+        );
+        let (is_whole, [left, _, right, _]) = at(Vec3::new(3.5, 0.0, 5.5));
+        assert!(!is_whole && left > 400.0 && right > 1e6, "{left} {right}");
     }
 }

@@ -4,7 +4,7 @@
 use super::Prepared;
 use super::texture::{MipMap, optics};
 use crate::base::maths::{acosf, atan2f, expf, mix, smooth_step};
-use crate::base::noise::Lattice;
+use crate::base::noise::{Lattice, Nodes};
 use crate::base::vector::{Vec2, Vec3};
 use crate::frame::{Frame, Wood};
 use std::f32::consts::PI;
@@ -48,6 +48,19 @@ const EVERGREEN: [f32; 3] = [0.062, 0.082, 0.030];
 const TINTS: [[f32; 3]; 3] = [[0.90, 0.93, 0.80], [1.08, 1.03, 0.82], [1.26, 1.12, 0.78]];
 /// Steps between the kinds whose colours are kept.
 const STEPS: usize = 64;
+
+/// The nodes of all that varies around the horizon, about the last look at it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Noises {
+    /// Of the meadow's rises before the wood's foot.
+    hem: [Nodes; HEM.len()],
+    /// Of the ground that the second wood stands on.
+    hills: [Nodes; 2],
+    /// Of what closes its slope.
+    closed: [Nodes; 2],
+    /// Of the trees' heights and kinds.
+    varied: Nodes,
+}
 
 /// Reflectance and transmittance.
 type Optics = ([f32; 3], [f32; 3]);
@@ -191,7 +204,7 @@ impl Prepared<'_> {
         self.reads.borrow_mut().wood = true;
         let around = atan2f(-direction.x, -direction.z) / (2.0 * PI) + 0.5;
         let look = Look { direction, around, slope, pixel: 1.0 / self.projection.pixels_per_metre };
-        let free = above_hem(around, height, look.pixel * wood.distance);
+        let free = above_hem(&mut self.horizon.borrow_mut().hem, around, height, look.pixel * wood.distance);
         let trees = if free > 0.0 { self.trees(wood, &look, behind) } else { behind };
         if free >= 1.0 {
             return trees;
@@ -212,8 +225,7 @@ impl Prepared<'_> {
         if look.slope <= 0.0 {
             return std::array::from_fn(|k| mix(behind[k], near.1[k], near.0));
         }
-        let rise = |nodes: u32| Lattice::periodic(11, [nodes, 0]).value(look.around * nodes as f32, 0.5);
-        let hills = (0.8 * rise(17) + 0.2 * rise(61)) * HILLS;
+        let hills = hills(&mut self.horizon.borrow_mut().hills, look.around);
         let far = self.row(wood, look, [wood.distance * FAR, 3.0, hills]);
         let beyond: [f32; 3] = std::array::from_fn(|k| mix(behind[k], far.1[k], far.0));
         std::array::from_fn(|k| mix(beyond[k], near.1[k], near.0))
@@ -227,10 +239,10 @@ impl Prepared<'_> {
         if height > wood.height || (height < 0.0 && !is_far) {
             return (0.0, [0.0; 3]);
         }
-        let varied = Lattice::periodic(41, [VARIED, 0]).value(look.around * VARIED as f32, 0.5);
+        let varied = around(&mut self.horizon.borrow_mut().varied, 41, VARIED, look.around);
         let height = height / mix(LOWEST, 1.0, varied);
         // On rising ground there are crowns below crowns: bands of them, each beside the last.
-        let closed = if is_far { closed(look.around) } else { 0.0 };
+        let closed = if is_far { closed(&mut self.horizon.borrow_mut().closed, look.around) } else { 0.0 };
         let band = (closed - height / wood.height).max(0.0) * 5.0;
         let lowest = wood.height * (closed - 0.2 * band.fract()).max(0.01);
         let height = if is_far { height.max(lowest) } else { height };
@@ -311,22 +323,30 @@ impl Look {
 }
 
 /// How much of the wood shows over the tall grass and the rises before it, at a height in metres.
-fn above_hem(around: f32, height: f32, blur: f32) -> f32 {
+fn above_hem(kept: &mut [Nodes; HEM.len()], at: f32, height: f32, blur: f32) -> f32 {
     let highest = HEM.iter().map(|(tall, _)| tall).sum::<f32>() - SUNKEN;
     if height > highest + FEATHER + blur {
         return 1.0;
     }
-    let part = |(number, (tall, nodes)): (usize, (f32, u32))| {
-        tall * Lattice::periodic(31 + number as u64, [nodes, 0]).value(around * nodes as f32, 0.5)
-    };
-    let hem = HEM.into_iter().enumerate().map(part).sum::<f32>() - SUNKEN;
+    let part =
+        |((number, kept), (tall, nodes)): ((u64, &mut Nodes), (f32, u32))| tall * around(kept, number, nodes, at);
+    let hem = (31..).zip(kept).zip(HEM).map(part).sum::<f32>() - SUNKEN;
     smooth_step(hem - FEATHER - blur, hem + FEATHER + blur, height)
 }
 
 /// Share of the wood's height up to which crowns close a slope: an outline of crowns a few metres wide.
-fn closed(around: f32) -> f32 {
-    let part = |nodes: u32| Lattice::periodic(51, [nodes, 0]).value(around * nodes as f32, 0.5);
-    0.08 + 0.30 * part(310) + 0.18 * part(1130)
+fn closed([wide, narrow]: &mut [Nodes; 2], at: f32) -> f32 {
+    0.08 + 0.30 * around(wide, 51, 310, at) + 0.18 * around(narrow, 51, 1130, at)
+}
+
+/// Height of the ground that the second wood stands on, metres.
+fn hills([wide, narrow]: &mut [Nodes; 2], at: f32) -> f32 {
+    (0.8 * around(wide, 11, 17, at) + 0.2 * around(narrow, 11, 61, at)) * HILLS
+}
+
+/// Noise in 0..1 with so many nodes around the horizon, at a share of the way around.
+fn around(kept: &mut Nodes, salt: u64, nodes: u32, at: f32) -> f32 {
+    Lattice::periodic(salt, [nodes, 0]).value_by(kept, at * nodes as f32, 0.5)
 }
 
 /// A number folded into 0..1 as a strip of paper is.
@@ -400,13 +420,14 @@ mod tests {
 
     #[test]
     fn the_meadow_s_far_rim_rises_and_falls_and_closes_the_circle() {
+        let above = |around: f32, height: f32, blur: f32| above_hem(&mut Default::default(), around, height, blur);
         let rim =
-            |around: f32| (0..400).map(|step| step as f32 * 0.01).find(|height| above_hem(around, *height, 0.0) > 0.5);
+            |around: f32| (0..400).map(|step| step as f32 * 0.01).find(|height| above(around, *height, 0.0) > 0.5);
         let rims: Vec<f32> = (0..300).filter_map(|step| rim(step as f32 / 300.0)).collect();
         assert_eq!(rims.len(), 300);
         let (low, high) = rims.iter().fold((f32::MAX, 0.0f32), |(low, high), rim| (low.min(*rim), high.max(*rim)));
         assert!(high - low > 1.0, "{low} {high}");
         assert!((rim(0.0).unwrap_or(9.0) - rim(1.0).unwrap_or(0.0)).abs() < 0.02);
-        assert_eq!(above_hem(0.3, 10.0, 0.1), 1.0);
+        assert_eq!(above(0.3, 10.0, 0.1), 1.0);
     }
 }

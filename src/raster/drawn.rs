@@ -8,9 +8,8 @@ use crate::frame::{Frame, Instance};
 pub(super) struct Drawn {
     /// All of them; their places are their numbers.
     pub all: Vec<Instance>,
-    /// How many stand, and how many do not belong to the cover.
+    /// How many stand.
     standing: usize,
-    placed: usize,
 }
 
 impl Drawn {
@@ -18,7 +17,7 @@ impl Drawn {
     pub(super) fn of(frame: &Frame) -> Self {
         let cover = frame.ground.iter().flat_map(|ground| &ground.cover);
         let all = frame.instances.iter().chain(cover).copied().collect();
-        Self { all, standing: frame.standing().len(), placed: frame.instances.len() }
+        Self { all, standing: frame.standing().len() }
     }
 
     /// Those that stand.
@@ -26,14 +25,17 @@ impl Drawn {
         &self.all[..self.standing]
     }
 
-    /// What an instance is known by in every frame: where leaves fall and decay from day to day, those that lie beside them, and
-    /// the grass, keep the grain of their shadows.
+    /// What an instance is known by in every frame: a leaf by its id, wood and what covers the ground by the place where it stands.
+    /// So all keep the grain of their shadows where leaves bud, fall and decay from day to day beside them.
     pub(super) fn salt(&self, number: u32) -> u64 {
-        let place = number as usize;
-        match self.all[place].leaf {
-            Some(leaf) if place >= self.standing && place < self.placed => hash(leaf, 1),
-            _ if place >= self.placed => (place - self.placed + self.standing) as u64,
-            _ => u64::from(number),
+        let one = &self.all[number as usize];
+        match one.leaf {
+            Some(leaf) => hash(leaf, 1),
+            None => {
+                // Not by its model, whose number depends on what else a run draws.
+                let [x, y, z] = <[f32; 3]>::from(one.transform.translation).map(|place| u64::from(place.to_bits()));
+                hash(x << 32 | z, y)
+            }
         }
     }
 }
@@ -41,20 +43,28 @@ impl Drawn {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::vector::Affine;
+    use crate::base::vector::{Affine, Vec3};
 
     #[test]
-    fn what_lies_and_grows_is_known_by_the_same_when_leaves_decay() {
-        let one = |leaf: Option<u64>| Instance { model: 0, transform: Affine::identity(), leaf };
-        let with = |fallen: &[u64]| {
-            let leaves = [None, Some(40)].into_iter().chain(fallen.iter().map(|leaf| Some(*leaf)));
-            let all = leaves.chain([None; 2]).map(one).collect();
-            Drawn { all, standing: 2, placed: 2 + fallen.len() }
+    fn what_stands_and_lies_is_known_by_the_same_when_others_bud_and_decay() {
+        let one = |model: u32, leaf: Option<u64>| {
+            let translation = Vec3::new(model as f32, 0.0, -1.0);
+            Instance { model, transform: Affine { translation, ..Affine::identity() }, leaf }
         };
-        let (many, few) = (with(&[7, 8, 9]), with(&[7, 9]));
-        let known = |drawn: &Drawn| (0..drawn.all.len() as u32).map(|number| drawn.salt(number)).collect::<Vec<u64>>();
-        let (many, few) = (known(&many), known(&few));
-        assert_eq!([&many[..3], &many[4..]].concat(), few);
-        assert_eq!((few[0], few[1], few[4], few[5]), (0, 1, 2, 3));
+        let with = |standing: &[u64], fallen: &[u64]| {
+            let leaves = standing.iter().chain(fallen).map(|leaf| one(9, Some(*leaf)));
+            let all: Vec<Instance> =
+                [one(0, None)].into_iter().chain(leaves).chain([one(1, None), one(2, None)]).collect();
+            Drawn { all, standing: 1 + standing.len() }
+        };
+        let known =
+            |drawn: &Drawn| -> Vec<u64> { (0..drawn.all.len() as u32).map(|number| drawn.salt(number)).collect() };
+        let (many, few) = (known(&with(&[4, 5], &[7, 8, 9])), known(&with(&[5], &[7, 9])));
+        // A leaf that hangs is known by the same when it lies.
+        assert_eq!(known(&with(&[], &[4, 5, 7, 8, 9])), many);
+        let kept: Vec<u64> = [0, 2, 3, 5, 6, 7].map(|place: usize| many[place]).into();
+        assert_eq!(kept, few);
+        let different: std::collections::BTreeSet<u64> = many.iter().copied().collect();
+        assert_eq!(different.len(), many.len());
     }
 }

@@ -45,12 +45,14 @@ mod tone;
 mod wireframe;
 
 use crate::base::figures::{ErrorFigure, Figures};
+use crate::base::noise::Nodes;
 use crate::base::picture::Picture;
 use crate::frame::Frame;
 use atmosphere::Atmosphere;
 use bins::Bins;
 use canopy::Canopy;
 use cluster::ClusteredMesh;
+use distant_wood::Noises;
 use drawn::Drawn;
 use last::{DrawnTile, Last, Same};
 use projection::Projection;
@@ -88,11 +90,15 @@ struct Shared<'a> {
 struct Prepared<'a> {
     shared: &'a Shared<'a>,
     reads: RefCell<Reads>,
+    /// Of the noises of the ground, about its last place.
+    nodes: RefCell<[Nodes; 4]>,
+    /// Of those of the horizon.
+    horizon: RefCell<Noises>,
 }
 
 impl<'a> Prepared<'a> {
     fn new(shared: &'a Shared<'a>) -> Self {
-        Self { shared, reads: RefCell::default() }
+        Self { shared, reads: RefCell::default(), nodes: RefCell::default(), horizon: RefCell::default() }
     }
 }
 

@@ -138,6 +138,17 @@ impl Projection {
         }
     }
 
+    /// A box of pixels (left, top, right, bottom) that holds all of a sphere that lies before a camera, whose view is bounded by the
+    /// planes that touch the sphere; `None` when nothing of it does.
+    pub(super) fn tangent_bounds(&self, centre: Vec3, radius: f32) -> Option<[f32; 4]> {
+        let place = self.axes * (centre - self.eye);
+        // Wider by more than rounding turns the tangents where the eye all but touches the sphere.
+        let wide = radius * 1.001;
+        let ([left, right], [top, bottom]) = (slopes(place.x, place.z, wide)?, slopes(place.y, place.z, wide)?);
+        let pixel = |slope: f32, axis: usize, rim: f32| self.centre[axis] + slope * self.pixels_per_metre + rim;
+        Some([pixel(left, 0, -1.0), pixel(top, 1, -1.0), pixel(right, 0, 1.0), pixel(bottom, 1, 1.0)])
+    }
+
     /// A box of pixels (left, top, right, bottom) that holds a sphere, and the largest nearness in it; `None` when the
     /// sphere lies behind the camera. A sphere that touches the eye's plane fills the whole picture.
     pub(super) fn sphere_bounds(&self, centre: Vec3, radius: f32) -> Option<([f32; 4], f32)> {
@@ -163,6 +174,23 @@ impl Projection {
     }
 }
 
+/// The least and the largest slope (across / ahead) of looks from the eye that meet a disc before the eye, between its tangents;
+/// endless where the disc reaches behind the eye on that side, none where all of it lies behind.
+fn slopes(across: f32, ahead: f32, radius: f32) -> Option<[f32; 2]> {
+    let squared = across * across + ahead * ahead - radius * radius;
+    if squared <= 0.0 {
+        return Some([f32::MIN, f32::MAX]);
+    }
+    // The way to the middle, turned to either side by the angle whose sine is the radius over the distance.
+    let long = squared.sqrt();
+    let turned = |radius: f32| [across * long + ahead * radius, ahead * long - across * radius];
+    let slope = |[across, ahead]: [f32; 2], side: f32| match ahead > 0.0 {
+        true => Some(across / ahead),
+        false => (across * side > 0.0).then_some(side * f32::MAX),
+    };
+    Some([slope(turned(-radius), -1.0)?, slope(turned(radius), 1.0)?])
+}
+
 fn axes(forward: Vec3) -> Mat3 {
     let right = forward.cross(&Vec3::y()).try_normalize(1e-4).unwrap_or_else(Vec3::x);
     let down = forward.cross(&right);
@@ -178,6 +206,8 @@ pub(super) fn composed(outer: &Affine, inner: &Affine) -> Affine {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::maths::sincosf;
+    use std::f32::consts::TAU;
 
     fn projection() -> Projection {
         let camera = Camera {
@@ -221,6 +251,28 @@ mod tests {
             }
         }
         assert!(view.sphere_bounds(Vec3::new(0.0, 1.0, 9.0), 0.4).is_none());
+    }
+
+    #[test]
+    fn tangents_hold_what_is_seen_of_a_sphere_beside_the_eye_and_little_more() {
+        let view = projection();
+        let pixel = |x: f32| x.clamp(0.0, 400.0);
+        // Beside the eye and reaching behind it, to the right and to the left; about the eye; before it.
+        let places = [(1.0, 5.2, 0.9), (-1.0, 5.2, 0.9), (0.1, 5.0, 0.4), (0.3, 2.0, 0.3), (0.9, 4.4, 0.7)];
+        for (x, z, radius) in places {
+            let [left, _, right, _] = view.tangent_bounds(Vec3::new(x, 1.0, z), radius).expect("before the eye");
+            let seen = (0..3600).filter_map(|step| {
+                let (sine, cosine) = sincosf(step as f32 * (TAU / 3600.0));
+                let mapped = view.map.point(Vec3::new(x + radius * sine, 1.0, z + radius * cosine));
+                (mapped.z > view.near).then(|| pixel(view.screen(mapped).x))
+            });
+            let (low, high) = seen.fold((400.0f32, 0.0f32), |(low, high), x| (low.min(x), high.max(x)));
+            // About the eye every look meets it.
+            let (low, high) = if radius == 0.4 { (0.0, 400.0) } else { (low, high) };
+            assert!(pixel(left) <= low && pixel(left) > low - 3.0, "{x} {z}: {left} {low}");
+            assert!(pixel(right) >= high && pixel(right) < high + 3.0, "{x} {z}: {right} {high}");
+        }
+        assert!(view.tangent_bounds(Vec3::new(1.0, 1.0, 9.0), 0.4).is_none());
     }
 
     #[test]

@@ -14,9 +14,6 @@ use crate::base::vector::{Affine, Vec2, Vec3};
 use crate::frame::Material;
 use std::f32::consts::PI;
 
-/// Size up to which an item is small in the picture, pixels.
-const SMALL: i32 = 48;
-
 /// A point of a surface as the eye sees it.
 struct Point {
     position: Vec3,
@@ -107,8 +104,7 @@ fn ambient(prepared: &Prepared, item: &Item, visible: &mut Visible, point: &Poin
 /// A colour seen through the air before it. Over an item that is small in the picture the air is the same.
 fn through_air(prepared: &Prepared, item: &Item, visible: &mut Visible, point: &Point, colour: [f32; 3]) -> [f32; 3] {
     let eye = prepared.projection.eye;
-    let [left, top, right, bottom] = item.bounds;
-    if right - left > SMALL || bottom - top > SMALL {
+    if !item.is_small {
         return prepared.atmosphere.hazed(colour, point.position - eye);
     }
     let air = visible.air.get_or_insert_with(|| {

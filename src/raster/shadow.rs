@@ -103,20 +103,56 @@ impl ShadowMap {
         let centre = [screen.x, screen.y];
         // A first look finds how far what casts the shadow is; that sets the penumbra of the second.
         let (mut count, mut gap) = (0.0f32, 0.0f32);
-        for tap in turned.iter().step_by(2) {
-            let above = self.at(centre, tap, search) - nearness;
+        self.each(turned.iter().step_by(2), (centre, search), |found| {
+            let above = found - nearness;
             if above > 0.0 {
                 count += 1.0;
                 gap += above;
             }
-        }
+        });
         if count == 0.0 {
             return 1.0;
         }
         let radius = (gap / count * SUN_RADIUS * self.projection.pixels_per_metre).clamp(0.7, 40.0);
         self.note(centre, radius, nearness, reads);
-        let lit = turned.iter().filter(|tap| self.at(centre, tap, radius) <= nearness).count();
+        let mut lit = 0u32;
+        self.each(turned.iter(), (centre, radius), |found| lit += u32::from(found <= nearness));
         lit as f32 / TAPS as f32
+    }
+
+    /// Looks up the nearness at each of some taps of a disc, in their order.
+    #[inline(always)]
+    fn each<'a>(
+        &self,
+        taps: impl Iterator<Item = &'a [f32; 2]>,
+        (centre, radius): ([f32; 2], f32),
+        mut look: impl FnMut(f32),
+    ) {
+        match self.alone(centre, radius) {
+            // Nothing but places in the tile is asked for, so that its corner needs no taking off.
+            Some(Some(tile)) => {
+                for tap in taps {
+                    let [x, y] = [0, 1].map(|axis| floor_to_i32(centre[axis] + tap[axis] * radius) as usize % SIDE);
+                    look(tile[y * SIDE + x]);
+                }
+            }
+            Some(None) => taps.for_each(|_| look(f32::MIN)),
+            None => taps.for_each(|tap| look(self.at(centre, tap, radius))),
+        }
+    }
+
+    /// The texels of the tile that holds a disc, none in it where nothing stands there; none where the disc lies in several
+    /// or beside the map.
+    #[inline(always)]
+    fn alone(&self, centre: [f32; 2], radius: f32) -> Option<Option<&[f32; SIDE * SIDE]>> {
+        let tiles = |place: f32| {
+            let ends = [place - radius, place + radius];
+            let is_within = ends[0] >= 0.0 && ends[1] < self.size as f32;
+            let [first, last] = ends.map(|end| end as usize / SIDE);
+            (is_within && first == last).then_some(first)
+        };
+        let (column, row) = (tiles(centre[0])?, tiles(centre[1])?);
+        Some(self.tiles[row * self.bins.columns + column].first_chunk())
     }
 
     /// Notes the tiles within `reach` texels of a place; beside the map, those at its rim.
@@ -231,4 +267,44 @@ fn bounding_sphere(frame: &Frame, meshes: &[Arc<ClusteredMesh>]) -> Option<(Vec3
     let (low, high) =
         spheres.fold(start, |(low, high), (c, r)| (low.inf(&(c - around(r))), high.sup(&(c + around(r)))));
     Some(((low + high) * 0.5, (high - low).norm() * 0.5))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::random::hash_unit;
+
+    #[test]
+    fn taps_in_one_tile_are_those_of_the_whole_map() {
+        // Two by two tiles of uneven nearness, the last of them empty.
+        let texel = |tile: u64| move |place: u64| hash_unit(tile, place);
+        let tiles = (0..4u64).map(|tile| match tile {
+            3 => Arc::from([]),
+            _ => (0..(SIDE * SIDE) as u64).map(texel(tile)).collect(),
+        });
+        let map = ShadowMap {
+            projection: Projection::parallel(-Vec3::y(), Vec3::zeros(), 1.0, 2 * SIDE as u32),
+            size: 2 * SIDE,
+            bins: Bins::empty(2),
+            tiles: tiles.collect(),
+            nearest_in_blocks: Vec::new(),
+            turns: turns(),
+        };
+        let mut alone = [0; 3];
+        for step in 0..2000u64 {
+            let place = |axis: u64| -6.0 + 140.0 * hash_unit(step, axis);
+            let (centre, radius) = ([place(1), place(2)], 0.7 + 20.0 * hash_unit(step, 3));
+            let taps = &map.turns[step as usize % TURNS];
+            let mut found = Vec::new();
+            map.each(taps.iter(), (centre, radius), |nearness| found.push(nearness));
+            let expected: Vec<f32> = taps.iter().map(|tap| map.at(centre, tap, radius)).collect();
+            assert_eq!(found, expected, "{centre:?} {radius}");
+            alone[match map.alone(centre, radius) {
+                Some(Some(_)) => 0,
+                Some(None) => 1,
+                None => 2,
+            }] += 1;
+        }
+        assert!(alone.iter().all(|count| *count > 100), "{alone:?}");
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::Prepared;
 use crate::base::maths::{acosf, asinf, log2f, mix, smooth_step};
-use crate::base::noise::Lattice;
+use crate::base::noise::{Lattice, Nodes};
 use crate::base::random::hash;
 use crate::base::vector::{Vec2, Vec3};
 use crate::frame::{Clouds, Ground};
@@ -227,7 +227,9 @@ impl Prepared<'_> {
         };
         // A tuft hides what lies behind it, so patches end in tufts: what is seen lies nearer by its height over the slope.
         let seen = place - self.atmosphere.ahead * (upright * TALL * ground.blades / slope.max(1e-3));
-        let [middle, small] = [(4.3, 4), (1.15, 3)].map(|(size, salt)| patches(seen / size, salt, long / size));
+        let nodes = &mut *self.nodes.borrow_mut();
+        let [middle, small] = [(4.3, 4, 0), (1.15, 3, 1)]
+            .map(|(size, salt, kept)| patches_by(&mut nodes[kept], seen / size, salt, long / size));
         let light = light + 0.46 * middle + 0.42 * small + TUFTS * upright;
         let grass = ground.blades * (1.0 - worn);
         let straw = STRAWY + dry + 0.70 * (small - 0.7 * middle) + 0.25 * upright + ground.dormant * 0.58;
@@ -255,7 +257,8 @@ impl Prepared<'_> {
             let size = 2.5 * FINEST * times;
             // A slant of its own keeps the lattice's rows from lying along the picture's.
             let (u, v) = (across / size, along / (size * drawn_out));
-            Lattice::new(40 + level as u64).gradient(u + 0.24 * v, v - 0.15 * u)
+            let nodes = &mut self.nodes.borrow_mut()[2 + (level & 1) as usize];
+            Lattice::new(40 + level as u64).gradient_by(nodes, u + 0.24 * v, v - 0.15 * u)
         };
         let part = octave - level as f32;
         if part <= 0.0 { of(level) } else { mix(of(level), of(level + 1), part) }
@@ -301,8 +304,13 @@ const SOIL: [f32; 3] = [0.085, 0.070, 0.042];
 
 /// Noise of mean 0 with features one unit across, that fades out where pixels are wider.
 fn patches(place: Vec2, salt: u64, pixel: f32) -> f32 {
+    patches_by(&mut Nodes::default(), place, salt, pixel)
+}
+
+/// `patches` by nodes that are kept.
+fn patches_by(nodes: &mut Nodes, place: Vec2, salt: u64, pixel: f32) -> f32 {
     let seen = 1.0 - smooth_step(0.4, 1.5, pixel);
-    if seen <= 0.0 { 0.0 } else { Lattice::new(salt).gradient(place.x, place.y) * seen }
+    if seen <= 0.0 { 0.0 } else { Lattice::new(salt).gradient_by(nodes, place.x, place.y) * seen }
 }
 
 /// Share of the sky's light that trunks (x, z, radius) leave on the ground at a place: an endless wall that spans the angle
