@@ -41,6 +41,7 @@ pub fn allow(cells: &[Prepared], states_frames: usize, limits: &Limits) -> Resul
     let sites = cells.iter().map(|cell| cell.stand.leaf_ids.len()).sum::<usize>() as f64;
     parts.push(("output", sites * states_frames as f64 * LINE_BYTES));
     cells.iter().for_each(|cell| parts.extend(kept(cell)));
+    parts.push(("fall", cells.iter().map(field).fold(0.0, f64::max)));
     let wanted = parts.iter().map(|(_, bytes)| bytes).sum();
     // the table that asks for most is the one to mend
     let table = parts.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or("image", |part| part.0);
@@ -101,7 +102,7 @@ fn kept(cell: &Prepared) -> Parts {
     let Prepared { scene, stand, plan, .. } = cell;
     let mut parts = vec![("tree", self::stand(stand))];
     if plan.has("fall") {
-        parts.push(("fall", litter(stand.leaf_ids.len() as f64)));
+        parts.push(("fall", stand.leaf_ids.len() as f64 * FALL_BYTES));
     }
     let states = plan.frames.len() as f64 * (stand.leaf_ids.len() * STATE_BYTES) as f64;
     parts.push(("time", states.min(KEPT_BYTES as f64)));
@@ -115,15 +116,16 @@ fn kept(cell: &Prepared) -> Parts {
     parts
 }
 
-/// What the litter takes when all of so many leaves have fallen: each with its way, and the field of heights that they are laid
-/// in.
-fn litter(leaves: f64) -> f64 {
-    leaves * FALL_BYTES + crate::fall::most_field_bytes(leaves)
+/// What the field of heights takes while a cell's litter is laid; it is not kept.
+fn field(cell: &Prepared) -> f64 {
+    let leaves = cell.stand.leaf_ids.len() as f64;
+    if cell.plan.has("fall") { crate::fall::most_field_bytes(leaves) } else { 0.0 }
 }
 
-/// What the litter takes of so many leaves, if leaves fall.
+/// What the litter takes when all of so many leaves have fallen, if leaves fall: each with its way, and the field of heights
+/// that they are laid in.
 pub fn litter_at_most(scene: &Scene, leaves: f64) -> f64 {
-    if scene.leaves_fall() { litter(leaves) } else { 0.0 }
+    if scene.leaves_fall() { leaves * FALL_BYTES + crate::fall::most_field_bytes(leaves) } else { 0.0 }
 }
 
 /// What so many shapes and textures of a species take.
