@@ -1,5 +1,6 @@
 //! The ground of a scene, and what grows on it.
 
+use super::outlook::Outlook;
 use super::{Stand, Stock, flowers, ground, sward, terrain, turned, tussocks, view, wood_edge};
 use crate::base::mesh::Mesh;
 use crate::base::vector::{Affine, DVec3};
@@ -70,9 +71,9 @@ impl Stock {
         let trees: Vec<[f64; 2]> = stand.trees.iter().map(|(_, tree)| tree.place).collect();
         let at_feet =
             sward::places(&trees).into_iter().map(|transform| Instance { model: foot, transform, leaf: None });
-        let axis: [f64; 3] = view::axis(&camera).into();
-        let before = sward::meadow_places(eye.into(), axis, half);
-        let rank = tussocks::places(scene.seed, eye.into(), axis, half, &trees).into_iter();
+        let outlook = Outlook::new(eye.into(), view::axis(&camera).into(), half);
+        let before = sward::meadow_places(&outlook);
+        let rank = tussocks::places(scene.seed, &outlook, &trees).into_iter();
         let rank = rank.map(|transform| Instance { model: tussock, transform, leaf: None });
         let about = sward::ring_places(&ground::feet(stand)).into_iter();
         let about = about.map(|transform| Instance { model: ring, transform, leaf: None });

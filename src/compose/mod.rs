@@ -20,6 +20,7 @@ mod leaf_area;
 mod light;
 mod litter;
 mod meadow;
+mod outlook;
 mod petiole;
 pub mod picture_inset;
 mod specimen;

@@ -1,6 +1,7 @@
 //! Blades of grass about the foot of the tree, so that the trunk stands in the meadow and not on it, and tufts before the
 //! camera. Farther away the ground's texture is enough.
 
+use super::outlook::Outlook;
 use crate::base::maths::{cos, mix, sin, sincos};
 use crate::base::mesh::Mesh;
 use crate::base::noise::Fractal;
@@ -91,24 +92,17 @@ const MEADOW: f64 = 26.0;
 
 /// Where patches of meadow lie before a camera: on the squares of a lattice that its picture may show, each turned by
 /// quarters.
-pub(super) fn meadow_places(eye: [f64; 3], axis: [f64; 3], half_width: f64) -> Vec<Affine> {
-    let heading = libm::atan2(axis[0], -axis[2]);
-    let reach = (MEADOW / PATCH) as i64;
-    let [column, row] = [eye[0], eye[2]].map(|place| (place / PATCH).floor() as i64);
-    let squares = (row - reach..=row + reach).flat_map(|z| (column - reach..=column + reach).map(move |x| (x, z)));
+pub(super) fn meadow_places(outlook: &Outlook) -> Vec<Affine> {
     let place = |(x, z): (i64, i64)| {
-        let (across, along) = ((x as f64 + 0.5) * PATCH - eye[0], (z as f64 + 0.5) * PATCH - eye[2]);
-        let distance = libm::hypot(across, along);
-        let aside = libm::atan2(across, -along) - heading;
-        let off = (aside - TAU * (aside / TAU).round()).abs();
-        let seen = off < half_width + libm::atan2(PATCH, distance) && distance > 0.5 * eye[1];
+        let middle = [x, z].map(|square| (square as f64 + 0.5) * PATCH);
+        let distance = outlook.distance(middle, PATCH)?;
         let quarter = hash(x as u64, z as u64) & 3;
         let (sine, cosine) = [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][quarter as usize];
-        let translation = Vec3::new(((x as f64 + 0.5) * PATCH) as f32, 0.0, ((z as f64 + 0.5) * PATCH) as f32);
+        let translation = Vec3::new(middle[0] as f32, 0.0, middle[1] as f32);
         let linear = Mat3::new(cosine, 0.0, sine, 0.0, 1.0, 0.0, -sine, 0.0, cosine);
-        (seen && distance < MEADOW).then_some(Affine { linear, translation })
+        (distance > 0.5 * outlook.eye[1] && distance < MEADOW).then_some(Affine { linear, translation })
     };
-    if eye[1] > 12.0 { Vec::new() } else { squares.filter_map(place).collect() }
+    outlook.squares(PATCH, MEADOW).filter_map(place).collect()
 }
 
 /// Tufts of grass on a patch of meadow about the origin.
@@ -240,13 +234,13 @@ mod tests {
 
     #[test]
     fn a_meadow_lies_before_the_camera_and_not_behind_it() {
-        let places = meadow_places([1.0, 1.6, 20.0], [0.0, 0.0, -1.0], 0.3);
+        let places = meadow_places(&Outlook::new([1.0, 1.6, 20.0], [0.0, 0.0, -1.0], 0.3));
         assert!((20..120).contains(&places.len()), "{}", places.len());
         for place in &places {
             let (across, along) = (f64::from(place.translation.x) - 1.0, 20.0 - f64::from(place.translation.z));
             assert!(along > -PATCH && libm::hypot(across, along) < MEADOW, "{place:?}");
         }
-        assert!(meadow_places([0.0, 40.0, 0.0], [0.0, 0.0, -1.0], 0.3).is_empty());
+        assert!(meadow_places(&Outlook::new([0.0, 40.0, 0.0], [0.0, 0.0, -1.0], 0.3)).is_empty());
         let patch = meadow(1);
         assert_eq!(patch.check(), Ok(()));
         assert_eq!(patch.triangles.len() as u64, 2 * TUFTS * BLADES);

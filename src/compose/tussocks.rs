@@ -1,13 +1,13 @@
 //! Tussocks: rank grass with its bents, in loose groups over the meadow, as beasts leave it standing. They carry the eye from
 //! the sward at hand to the far meadow, where single blades are too fine to be drawn.
 
+use super::outlook::Outlook;
 use super::sward::{GOLDEN_ANGLE, blade};
 use crate::base::maths::sincos;
 use crate::base::mesh::Mesh;
 use crate::base::noise::Fractal;
 use crate::base::random::{Purpose, Stream, hash};
 use crate::base::vector::{Affine, Mat3, Vec3};
-use std::f64::consts::TAU;
 
 /// Blades of a tussock, their range of heights and half a blade's width, metres.
 const BLADES: u64 = 80;
@@ -27,8 +27,6 @@ const REACH: f64 = 80.0;
 const GROUPS: f64 = 70.0;
 /// Room that is kept about trunks and before the eye, metres.
 const CLEAR: f64 = 2.6;
-/// Eyes above this look down on the meadow and see no tussock, metres.
-const HIGH: f64 = 12.0;
 
 /// A tussock about the origin.
 pub(super) fn mesh(seed: u64) -> Mesh {
@@ -46,34 +44,24 @@ pub(super) fn mesh(seed: u64) -> Mesh {
     mesh
 }
 
-/// Where tussocks stand before a camera that sees `half_width` radians to each side of its axis, clear of trunks (x, z).
-pub(super) fn places(seed: u64, eye: [f64; 3], axis: [f64; 3], half_width: f64, trees: &[[f64; 2]]) -> Vec<Affine> {
-    if eye[1] > HIGH {
-        return Vec::new();
-    }
+/// Where tussocks stand before a camera, clear of trunks (x, z).
+pub(super) fn places(seed: u64, outlook: &Outlook, trees: &[[f64; 2]]) -> Vec<Affine> {
     let groups = Fractal::new(9, 9, 3, hash(seed, 0x7055));
-    let heading = libm::atan2(axis[0], -axis[2]);
-    let reach = (REACH / CELL) as i64;
-    let [column, row] = [eye[0], eye[2]].map(|place| (place / CELL).floor() as i64);
-    let squares = (row - reach..=row + reach).flat_map(|z| (column - reach..=column + reach).map(move |x| (x, z)));
     let place = |(column, row): (i64, i64)| {
         let mut random = Stream::new(seed, Purpose::Surroundings, hash(column as u64, row as u64), 9);
-        let [x, z] = [column, row].map(|cell| (cell as f64 + random.uniform()) * CELL);
-        let (across, along) = (x - eye[0], z - eye[2]);
-        let distance = libm::hypot(across, along);
-        let aside = libm::atan2(across, -along) - heading;
-        let is_seen = (aside - TAU * (aside / TAU).round()).abs() < half_width + libm::atan2(CELL, distance);
-        let is_clear = |tree: &[f64; 2]| libm::hypot(tree[0] - x, tree[1] - z) > CLEAR;
-        if !is_seen || !(CLEAR..REACH).contains(&distance) || !trees.iter().all(is_clear) {
+        let place = [column, row].map(|cell| (cell as f64 + random.uniform()) * CELL);
+        let distance = outlook.distance(place, CELL)?;
+        let is_clear = |tree: &[f64; 2]| libm::hypot(tree[0] - place[0], tree[1] - place[1]) > CLEAR;
+        if !(CLEAR..REACH).contains(&distance) || !trees.iter().all(is_clear) {
             return None;
         }
-        let [u, v] = [x, z].map(|side| (side / GROUPS - (side / GROUPS).floor()) as f32);
+        let [u, v] = place.map(|side| (side / GROUPS - (side / GROUPS).floor()) as f32);
         // One square in eight on the average, half of them in the thick of a group.
         let share = (2.4 * (f64::from(groups.at(u, v)) - 0.47)).clamp(0.015, 0.55);
         let (lot, scale) = (random.uniform(), random.range(0.55, 1.15));
-        (lot < share).then(|| standing([x, z], GOLDEN_ANGLE * (column + 31 * row) as f64, scale))
+        (lot < share).then(|| standing(place, GOLDEN_ANGLE * (column as f64 + 31.0 * row as f64), scale))
     };
-    squares.filter_map(place).collect()
+    outlook.squares(CELL, REACH).filter_map(place).collect()
 }
 
 fn standing([x, z]: [f64; 2], turn: f64, scale: f64) -> Affine {
@@ -104,7 +92,7 @@ mod tests {
     #[test]
     fn tussocks_stand_before_the_camera_in_groups_and_clear_of_trunks() {
         let trees = [[0.0, 0.0], [3.0, -9.0]];
-        let found = places(1, [1.0, 1.6, 20.0], [0.0, 0.0, -1.0], 0.4, &trees);
+        let found = places(1, &Outlook::new([1.0, 1.6, 20.0], [0.0, 0.0, -1.0], 0.4), &trees);
         assert!((60..600).contains(&found.len()), "{}", found.len());
         for place in &found {
             let [x, z] = [place.translation.x, place.translation.z].map(f64::from);
@@ -113,7 +101,7 @@ mod tests {
         }
         // In groups: the numbers in squares of twelve metres vary more than those of a random scatter, whose variance is
         // their mean.
-        let all = places(1, [0.0, 1.6, 0.0], [0.0, 0.0, -1.0], std::f64::consts::PI, &[]);
+        let all = places(1, &Outlook::new([0.0, 1.6, 0.0], [0.0, 0.0, -1.0], std::f64::consts::PI), &[]);
         let count = |x: i32, z: i32| {
             let inside = |place: &&Affine| {
                 [(place.translation.x, x), (place.translation.z, z)]
@@ -126,6 +114,5 @@ mod tests {
         let mean = counts.iter().sum::<f64>() / counts.len() as f64;
         let variance = counts.iter().map(|n| (n - mean) * (n - mean)).sum::<f64>() / counts.len() as f64;
         assert!(variance > 2.0 * mean, "{variance} {mean}");
-        assert!(places(1, [0.0, 40.0, 0.0], [0.0, 0.0, -1.0], 0.4, &[]).is_empty());
     }
 }
