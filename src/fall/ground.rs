@@ -101,7 +101,12 @@ fn off_slopes(map: &HeightMap, place: DVec2) -> DVec2 {
         if steepness <= rests_on {
             break;
         }
-        at -= rise * (SLIDE * map.step / steepness);
+        let next = at - rise * (SLIDE * map.step / steepness);
+        // The bottom of a gully between steep sides.
+        if map.at(next) >= map.at(at) {
+            break;
+        }
+        at = next;
     }
     at
 }

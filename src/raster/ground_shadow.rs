@@ -17,8 +17,7 @@ impl Shared<'_> {
         let (width, height) = (self.frame.view.width, self.frame.view.height);
         let offsets = pattern::<PLACES>(1, 0).map(|place| place.map(|step| step as f32 / SUBPIXEL as f32));
         let open = self.light_from_above(self.atmosphere.open.irradiance(Vec3::y()), 1.0);
-        let pixel = |(y, x): (u32, u32)| {
-            let prepared = Prepared::new(self);
+        let pixel = |prepared: &Prepared<'_>, (y, x): (u32, u32)| {
             let lost = |(number, [dx, dy]): (usize, [f32; 2])| {
                 let ray = self.projection.ray(x as f32 + dx, y as f32 + dy);
                 let eye = self.projection.eye;
@@ -34,7 +33,11 @@ impl Shared<'_> {
             let sum: f32 = offsets.into_iter().enumerate().map(lost).sum();
             (sum / PLACES as f32 * 255.0 + 0.5) as u8
         };
-        (0..height).into_par_iter().flat_map_iter(|y| (0..width).map(move |x| (y, x))).map(pixel).collect()
+        let row = |y: u32| {
+            let prepared = Prepared::new(self);
+            (0..width).map(|x| pixel(&prepared, (y, x))).collect::<Vec<u8>>()
+        };
+        (0..height).into_par_iter().flat_map_iter(row).collect()
     }
 
     /// Luminance of the light on level ground: from all sides, and from the share of the sun's disc that is seen.

@@ -82,8 +82,22 @@ struct Changed {
 
 impl Scenery {
     fn of(frame: &Frame, textures: &[Arc<MipMap>]) -> Self {
-        let Frame { camera, sun, sky, background, view, .. } = frame;
-        let ground = frame.ground.as_ref().map(|ground| Ground {
+        // All fields by name, so that none that is added is forgotten; the tiles' items tell of those that are passed over.
+        let Frame {
+            meshes: _,
+            textures: _,
+            materials: _,
+            models: _,
+            instances: _,
+            fallen: _,
+            camera,
+            sun,
+            sky,
+            ground,
+            background,
+            view,
+        } = frame;
+        let ground = ground.as_ref().map(|ground| Ground {
             wood: ground.wood.map(|wood| Wood { bareness: 0.0, ..wood }),
             dormant: 0.0,
             feet: ground.feet.clone(),

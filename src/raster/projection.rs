@@ -184,11 +184,14 @@ fn slopes(across: f32, ahead: f32, radius: f32) -> Option<[f32; 2]> {
     // The way to the middle, turned to either side by the angle whose sine is the radius over the distance.
     let long = squared.sqrt();
     let turned = |radius: f32| [across * long + ahead * radius, ahead * long - across * radius];
-    let slope = |[across, ahead]: [f32; 2], side: f32| match ahead > 0.0 {
-        true => Some(across / ahead),
-        false => (across * side > 0.0).then_some(side * f32::MAX),
-    };
-    Some([slope(turned(-radius), -1.0)?, slope(turned(radius), 1.0)?])
+    let (left, right) = (turned(-radius), turned(radius));
+    // Half the angle between the tangents is below a right angle: only if both look back does all of the disc lie behind. One
+    // that looks back may have turned past straight behind, so its side of the eye says nothing.
+    if left[1] <= 0.0 && right[1] <= 0.0 {
+        return None;
+    }
+    let slope = |[across, ahead]: [f32; 2], endless: f32| if ahead > 0.0 { across / ahead } else { endless };
+    Some([slope(left, f32::MIN), slope(right, f32::MAX)])
 }
 
 fn axes(forward: Vec3) -> Mat3 {
@@ -273,6 +276,27 @@ mod tests {
             assert!(pixel(right) >= high && pixel(right) < high + 3.0, "{x} {z}: {right} {high}");
         }
         assert!(view.tangent_bounds(Vec3::new(1.0, 1.0, 9.0), 0.4).is_none());
+    }
+
+    #[test]
+    fn slopes_hold_every_look_that_meets_a_disc() {
+        // Discs all about the eye, up to where it all but touches them.
+        for (step, share) in (0..360).flat_map(|step| [0.02f32, 0.3, 0.8, 0.99, 0.9999].map(|share| (step, share))) {
+            let (sine, cosine) = sincosf(step as f32 * (TAU / 360.0));
+            let looks = (-899..900).map(|look| libm::tanf(look as f32 * (0.5 * std::f32::consts::PI / 900.0)));
+            // A look along (slope, 1) meets the disc where it passes its middle within the radius and ahead.
+            let met: Vec<f32> = looks
+                .filter(|slope| {
+                    let length = (1.0 + slope * slope).sqrt();
+                    let (along, off) = ((sine * slope + cosine) / length, (sine - cosine * slope).abs() / length);
+                    along > 0.0 && off < share
+                })
+                .collect();
+            let found = slopes(sine, cosine, share);
+            let holds = |slope: &f32| found.is_some_and(|[low, high]| low <= *slope + 1e-3 && *slope <= high + 1e-3);
+            assert!(met.iter().all(holds), "{step} {share}: {found:?}");
+            assert!(found.is_some() || met.is_empty());
+        }
     }
 
     #[test]

@@ -25,6 +25,7 @@ impl Reads {
     #[inline(always)]
     pub(super) fn note_shadow(&mut self, tile: usize, nearness: f32) {
         if tile >= self.shadow.len() {
+            self.shadow.reserve_exact(tile + 1 - self.shadow.len());
             self.shadow.resize(tile + 1, f32::INFINITY);
         }
         let least = &mut self.shadow[tile];

@@ -96,7 +96,7 @@ fn allow(scene: &Scene, wanted: &[Wanted], forms: &[Form], limits: &Limits) -> R
     }
     let all = wanted.iter().map(|form| form.trees as f64).sum::<f64>();
     let leaves = (leaves * all / trees.max(1.0)).ceil();
-    let fixed: f64 = prediction::drawing(scene, leaves as usize, all as usize).iter().map(|(_, bytes)| bytes).sum();
+    let fixed: f64 = prediction::drawing(scene, leaves as usize, all as usize, 1).iter().map(|(_, bytes)| bytes).sum();
     let bytes = bytes * wanted.len() as f64 / forms.len().max(1) as f64 + leaves * LEAF_BYTES + fixed;
     // What leaves wear is not known yet, and other forms may be larger: the limit that a refusal names is enough for both.
     let refused = |refusal: Refusal, more: f64| {

@@ -106,6 +106,7 @@ pub fn plan(scene: &Scene, options: &Options) -> Result<Plan, Diagnostics> {
         limits: &options.limits,
         leave_out: options.leave_out,
         states_frames: 0,
+        enlarged: 1,
         stop: &|| false,
     };
     let prepared = preparation::prepare(cells(scene), &asked, &mut Report::default())?;
@@ -186,6 +187,7 @@ pub fn render_by(
         limits: &options.limits,
         leave_out: options.leave_out,
         states_frames: if options.states.is_some() { frames.len() } else { 0 },
+        enlarged,
         stop: &|| signals.came(),
     };
     let prepared = preparation::prepare(cells(scene), &asked, &mut report)?;

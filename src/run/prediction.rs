@@ -16,9 +16,12 @@ pub type Parts = Vec<(&'static str, f64)>;
 /// Most cells of the light volume of a stand, and the memory of one, bytes.
 const CANOPY_CELLS: f64 = 300_000.0;
 const CANOPY_BYTES: f64 = 200.0;
-/// Memory by which a texel of the map of shadows adds to what is kept with a pixel, bytes: four for each two tiles of 64 x 64, in the
-/// last picture and the one that is drawn.
-const READ_BYTES: f64 = 2.0 * 4.0 / (4096.0 * 4096.0);
+/// Pixels along the side of the tiles in which the picture and the map of shadows are drawn and kept.
+const TILE: f64 = 64.0;
+/// Memory of a tile of the picture, bytes: what it looks like, in the last frame and in this.
+const TILE_BYTES: f64 = 2.0 * 4.0 * TILE * TILE;
+/// Memory of what a tile of the picture noted of each tile of the map of shadows, in the last frame and in this, bytes.
+const NOTE_BYTES: f64 = 2.0 * 4.0;
 /// Memory of a leaf as it was drawn in the last frame, with its places in the picture and in the map of shadows, bytes.
 const DRAWN_BYTES: f64 = 280.0;
 /// Memory of a fallen leaf, bytes.
@@ -34,9 +37,9 @@ const INSTANCE_BYTES: f64 = 100.0;
 ///
 /// # Errors
 /// More than is allowed, or than there is.
-pub fn allow(cells: &[Prepared], states_frames: usize, limits: &Limits) -> Result<(), Diagnostics> {
+pub fn allow(cells: &[Prepared], (states_frames, enlarged): (usize, u32), limits: &Limits) -> Result<(), Diagnostics> {
     let Some(first) = cells.first() else { return Ok(()) };
-    let mut parts = drawing(&first.scene, first.stand.leaf_ids.len(), first.stand.trees.len());
+    let mut parts = drawing(&first.scene, first.stand.leaf_ids.len(), first.stand.trees.len(), enlarged);
     parts.push(("output", repeated(first)));
     let sites = cells.iter().map(|cell| cell.stand.leaf_ids.len()).sum::<usize>() as f64;
     parts.push(("output", sites * states_frames as f64 * LINE_BYTES));
@@ -56,18 +59,26 @@ fn place(scene: &Scene, table: &str, refusal: &crate::base::limits::Refusal) -> 
     fault::refused(places, table, refusal)
 }
 
-/// What is taken while a frame of so many leaves and trees is drawn. The factors were measured as growth of the peak with
-/// each size, and rounded up.
-pub fn drawing(scene: &Scene, leaves: usize, trees: usize) -> Parts {
-    // The picture and the map of shadows are kept in tiles for the next frame, with what each of the ones read of the others.
-    let texels = f64::from(scene.light.shadow_size) * f64::from(scene.light.shadow_size);
-    let (shadow, pixel) = (texels * 16.0, 24.0 + texels * READ_BYTES);
+/// What is taken while a frame of so many leaves and trees is drawn, `enlarged` times as wide and high as the picture. The
+/// factors were measured as growth of the peak with each size, and rounded up.
+pub fn drawing(scene: &Scene, leaves: usize, trees: usize, enlarged: u32) -> Parts {
+    let shadow = f64::from(scene.light.shadow_size) * f64::from(scene.light.shadow_size) * 16.0;
     let canopy = if trees > 1 { CANOPY_CELLS * CANOPY_BYTES } else { 0.0 };
     vec![
-        ("image", 1.2e8 + scene.image.pixels() * pixel + leaves as f64 * DRAWN_BYTES),
+        ("image", 1.2e8 + picture(scene, enlarged) + leaves as f64 * DRAWN_BYTES),
         ("light", shadow + canopy),
         ("output", file(scene, leaves)),
     ]
+}
+
+/// What a picture takes that is drawn `enlarged` times as wide and high. It is kept for the next frame in tiles, whole ones at
+/// its rims too, with what each of them read of those of the map of shadows.
+pub fn picture(scene: &Scene, enlarged: u32) -> f64 {
+    let tiles = |size: u32| (f64::from(size) / TILE).ceil();
+    let image = &scene.image;
+    let of_shadow = tiles(scene.light.shadow_size) * tiles(scene.light.shadow_size);
+    let of_picture = tiles(image.width.saturating_mul(enlarged)) * tiles(image.height.saturating_mul(enlarged));
+    image.pixels() * f64::from(enlarged * enlarged) * 16.0 + of_picture * (TILE_BYTES + NOTE_BYTES * of_shadow)
 }
 
 /// What the making of a frame's glTF file takes.

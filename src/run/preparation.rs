@@ -51,6 +51,8 @@ pub struct Asked<'a> {
     pub leave_out: bool,
     /// Frames whose states are written down.
     pub states_frames: usize,
+    /// How many times as wide and high pictures are drawn.
+    pub enlarged: u32,
     /// When this turns true the frames counted so far are planned.
     pub stop: &'a dyn Fn() -> bool,
 }
@@ -107,7 +109,7 @@ pub fn prepare(cells: Vec<Scene>, asked: &Asked<'_>, report: &mut Report) -> Res
         let rolls = one.rolls();
         one.plan = plan::plan(&one.scene, &one.states, &rolls, &counted, asked.leave_out);
     }
-    prediction::allow(&prepared, asked.states_frames, asked.limits)?;
+    prediction::allow(&prepared, (asked.states_frames, asked.enlarged), asked.limits)?;
     Ok(prepared)
 }
 

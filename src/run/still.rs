@@ -31,7 +31,7 @@ impl Still {
     pub fn new(scene: &Scene, index: i64, limits: &Limits) -> Result<Self, Diagnostics> {
         let mut cells = super::cells(scene);
         cells.truncate(1);
-        let asked = Asked { frames: &[index], limits, leave_out: true, states_frames: 0, stop: &|| false };
+        let asked = Asked { frames: &[index], limits, leave_out: true, states_frames: 0, enlarged: 1, stop: &|| false };
         let mut report = Report::default();
         let prepared = preparation::prepare(cells, &asked, &mut report)?.into_iter().next();
         let nothing = || Diagnostic::error(Fault::Bug, "a scene without a cell", "please report it");

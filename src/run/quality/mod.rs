@@ -10,6 +10,7 @@
 mod probe;
 mod worn;
 
+use super::prediction;
 use super::still::Still;
 use crate::base::diagnostic::Diagnostics;
 use crate::base::limits::{Limit, Limits};
@@ -83,8 +84,12 @@ impl Chooser {
         let planned = error * PLANNED;
         let (shape_square, solver_square) = self.leaves(planned, &mut chosen)?;
         let room = (planned * planned - shape_square - solver_square).max(0.0).sqrt();
-        let (pixels, limits) = (self.scene.image.pixels(), &self.limits);
-        let fits = |times: u32| limits.allow(Limit::Pixels, "image", pixels * f64::from(times * times)).is_ok();
+        let (scene, limits) = (&self.scene, &self.limits);
+        let fits = |times: u32| {
+            let pixels = scene.image.pixels() * f64::from(times * times);
+            let memory = prediction::picture(scene, times);
+            limits.allow(Limit::Pixels, "image", pixels).is_ok() && limits.allow(Limit::Memory, "image", memory).is_ok()
+        };
         let mut probes: Vec<&mut Probe> = self.moments.iter_mut().map(|(_, probe)| probe).collect();
         let (sampling, raster) = probe::cheapest(&mut probes, room, fits);
         chosen.scene.image.samples = sampling.samples;
