@@ -206,17 +206,23 @@ fn rake(scene: &Scene, stand: &Stand, all: &mut [Fall]) -> u64 {
     }
     let (ground, wind) = (ground(stand), Wind::new(&scene.fall, scene.seed));
     let raked = |fall: &mut Fall| {
-        let below = DVec2::new(fall.leaf.twig.x, fall.leaf.twig.z);
-        let landing = below + fall.aside;
-        let drifted = landing + wind.drifted(scene.seed, &fall.leaf);
-        let rest = ground.rest(scene.seed, scene.fall.wind, drifted);
-        let is_raked = fall.fate.lies() && ground.is_raked(rest, scene.fall.raked);
+        let lies_raked = || {
+            let landing = DVec2::new(fall.leaf.twig.x, fall.leaf.twig.z) + fall.aside;
+            ground.is_raked(rest(scene, (&ground, &wind), fall, landing), scene.fall.raked)
+        };
+        let is_raked = fall.fate.lies() && lies_raked();
         if is_raked {
             fall.fate = Fate::Decayed;
         }
         is_raked
     };
     all.par_iter_mut().map(|fall| u64::from(raked(fall))).sum()
+}
+
+/// Where a leaf that has landed comes to rest: it drifts on, then slides.
+pub(super) fn rest(scene: &Scene, (ground, wind): (&Ground, &Wind), fall: &Fall, landing: DVec2) -> DVec2 {
+    let drifted = landing + wind.drifted(scene.seed, &fall.leaf);
+    ground.rest(scene.seed, scene.fall.wind, drifted)
 }
 
 /// The ground with the feet of all trunks.

@@ -1,7 +1,7 @@
 //! Fallen leaves as instances: in the air the models of the twigs, on the ground the same blades with petioles that lie, in
 //! time with the brown texture of their species, at last flat and dark.
 
-use super::falls::{Fall, Falls, Look, Sites, ground, level};
+use super::falls::{Fall, Falls, Look, Sites, ground, level, rest};
 use super::petiole::{self, Petiole};
 use super::{Garment, Stand, Stock, Wardrobe, placed};
 use crate::base::figures::{ErrorFigure, Figures};
@@ -274,8 +274,7 @@ impl Strewer<'_> {
         let rotation = transform.linear.cast::<f64>() / site.scale;
         let hung = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rotation));
         let landing = level(middle) + fall.aside;
-        let drifted = landing + self.wind.drifted(self.scene.seed, &fall.leaf);
-        let rest = self.ground.rest(self.scene.seed, self.scene.fall.wind, drifted);
+        let rest = rest(self.scene, (&self.ground, &self.wind), fall, landing);
         let (side, yaw) = fall::lot(self.scene.seed, &fall.leaf);
         Some(Way { lying, scale: site.scale, side, yaw, hung, middle, landing, rest })
     }

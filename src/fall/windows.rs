@@ -88,11 +88,11 @@ impl<'a> Windows<'a> {
     }
 
     /// The windows one after another.
-    pub(super) fn each(self, reason: Reason, mut work: impl FnMut(&Window)) {
+    pub(super) fn each(mut self, reason: Reason, mut work: impl FnMut(&Window)) {
         let mut stamps = vec![0u32; if self.squares.is_empty() { 0 } else { self.extents.len() }];
-        for (number, own) in (1..).zip(&self.own) {
-            let leaves = if stamps.is_empty() { own.clone() } else { self.held(own, reason, (number, &mut stamps)) };
-            work(&Window { leaves, own: own.clone() });
+        for (number, own) in (1..).zip(std::mem::take(&mut self.own)) {
+            let leaves = if stamps.is_empty() { own.clone() } else { self.held(&own, reason, (number, &mut stamps)) };
+            work(&Window { leaves, own });
         }
     }
 

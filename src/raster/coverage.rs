@@ -8,7 +8,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, i32x8};
 
 /// Pixels along one side of a tile.
-pub(super) const SIDE: usize = 64;
+pub const SIDE: usize = 64;
 /// Pixels along one side of a block, the unit of depth rejection.
 pub(super) const BLOCK: usize = 8;
 /// Blocks along one side of a tile.

@@ -67,6 +67,7 @@ use texture::MipMap;
 use tile::Workspace;
 use tone::Tone;
 
+pub use coverage::SIDE;
 pub use layers::{Drawing, Site, Wanted};
 pub use renderer::Renderer;
 pub use tone::developed;

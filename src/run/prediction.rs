@@ -17,7 +17,7 @@ pub type Parts = Vec<(&'static str, f64)>;
 const CANOPY_CELLS: f64 = 300_000.0;
 const CANOPY_BYTES: f64 = 200.0;
 /// Pixels along the side of the tiles in which the picture and the map of shadows are drawn and kept.
-const TILE: f64 = 64.0;
+const TILE: f64 = crate::raster::SIDE as f64;
 /// Memory of a tile of the picture, bytes: what it looks like, in the last frame and in this.
 const TILE_BYTES: f64 = 2.0 * 4.0 * TILE * TILE;
 /// Memory of what a tile of the picture noted of each tile of the map of shadows, in the last frame and in this, bytes.
