@@ -85,26 +85,29 @@ pub struct Ways {
 }
 
 impl Ways {
-    /// The ways of these leaves; their fates are those of the twig.
-    fn of(&mut self, finder: &Finder<'_>, dropped: &[Dropped]) -> Vec<Fall> {
-        let key = |one: &Dropped| (one.site, one.year);
-        let known = |one: &Dropped| self.known.get(&key(one)).filter(|(of, _)| of == one).map(|(_, fall)| *fall);
-        let before: Vec<Option<Fall>> = dropped.par_iter().map(known).collect();
-        let pairs = dropped.par_iter().zip(before);
-        let all: Vec<(Option<Fall>, bool)> = pairs
-            .map(|(one, before)| match before {
-                Some(fall) => (Some(fall), false),
-                None => (finder.find(one), true),
-            })
-            .collect();
-        for (one, (fall, _)) in dropped.iter().zip(&all).filter(|(_, (_, is_new))| *is_new) {
-            self.found += 1;
-            if let Some(fall) = fall.filter(|_| self.known.len() < MOST_KNOWN) {
+    /// Finds the ways of leaves that are not known yet; those that are not remembered are given back.
+    fn find(&mut self, finder: &Finder<'_>, dropped: &[Dropped]) -> BTreeMap<(usize, u64), Fall> {
+        let new: Vec<&Dropped> = dropped.par_iter().filter(|one| self.known(one).is_none()).collect();
+        let found: Vec<Option<Fall>> = new.par_iter().map(|one| finder.find(one)).collect();
+        self.found += new.len() as u64;
+        let mut others = BTreeMap::new();
+        for (one, fall) in new.into_iter().zip(found).filter_map(|(one, fall)| Some((one, fall?))) {
+            if self.known.len() < MOST_KNOWN {
                 self.known.insert(key(one), (*one, fall));
+            } else {
+                others.insert(key(one), fall);
             }
         }
-        all.into_iter().filter_map(|(fall, _)| fall).collect()
+        others
     }
+
+    fn known(&self, one: &Dropped) -> Option<&Fall> {
+        self.known.get(&key(one)).filter(|(of, _)| of == one).map(|(_, fall)| fall)
+    }
+}
+
+fn key(one: &Dropped) -> (usize, u64) {
+    (one.site, one.year)
 }
 
 /// What finds the way of a leaf.
@@ -176,20 +179,27 @@ impl Falls {
         day: f64,
         ways: &mut Ways,
     ) -> Self {
-        let mut all = ways.of(&Finder::new(scene, stand, names), dropped);
-        all.par_iter_mut().for_each(|fall| fall.fate = fall.course.fate(&scene.fall, &fall.leaf, &fall.flight, day));
-        let raked = rake(scene, stand, &mut all);
-        let count = |is: &dyn Fn(Fate) -> bool| all.iter().filter(|fall| is(fall.fate)).count() as u64;
+        let others = ways.find(&Finder::new(scene, stand, names), dropped);
+        let way = |one: &Dropped| ways.known(one).or_else(|| others.get(&key(one)));
+        let yard = Yard::new(scene, stand);
+        let fate = |one: &Dropped| way(one).map(|fall| {
+            let (fate, is_raked) = yard.fate(fall, day);
+            (fall, fate, is_raked)
+        });
+        let all: Vec<Option<(&Fall, Fate, bool)>> = dropped.par_iter().map(fate).collect();
+        let all = || all.iter().flatten();
+        let count = |is: &dyn Fn(Fate) -> bool| all().filter(|(_, fate, _)| is(*fate)).count() as u64;
         let counts = Counts {
-            grown: attached + all.len() as u64,
+            grown: attached + all().count() as u64,
             attached: attached + count(&|fate| fate == Fate::Hanging),
             air: count(&|fate| matches!(fate, Fate::Air(_))),
             lying: count(&Fate::lies),
             decayed: count(&|fate| fate == Fate::Decayed),
-            raked,
+            raked: all().filter(|(.., is_raked)| *is_raked).count() as u64,
         };
-        all.retain(|fall| fall.look().is_some());
-        Self { seen: all, counts }
+        let mut seen = Vec::with_capacity((counts.air + counts.lying) as usize);
+        seen.extend(all().map(|&(fall, fate, _)| Fall { fate, ..*fall }).filter(|fall| fall.look().is_some()));
+        Self { seen, counts }
     }
 
     /// What any of them looks like.
@@ -199,24 +209,31 @@ impl Falls {
     }
 }
 
-/// Takes away what lies in raked circles; how many leaves that are.
-fn rake(scene: &Scene, stand: &Stand, all: &mut [Fall]) -> u64 {
-    if scene.fall.raked <= 0.0 {
-        return 0;
+/// The ground below the trees, from which raked circles are cleared.
+struct Yard<'a> {
+    scene: &'a Scene,
+    /// The ground and the wind, where any is raked.
+    raked: Option<(Ground, Wind)>,
+}
+
+impl<'a> Yard<'a> {
+    fn new(scene: &'a Scene, stand: &Stand) -> Self {
+        let is_raked = scene.fall.raked > 0.0;
+        Self { scene, raked: is_raked.then(|| (ground(stand), Wind::new(&scene.fall, scene.seed))) }
     }
-    let (ground, wind) = (ground(stand), Wind::new(&scene.fall, scene.seed));
-    let raked = |fall: &mut Fall| {
-        let lies_raked = || {
+
+    /// What has become of a leaf, and whether it was raked away.
+    fn fate(&self, fall: &Fall, day: f64) -> (Fate, bool) {
+        let fate = fall.course.fate(&self.scene.fall, &fall.leaf, &fall.flight, day);
+        let lies_raked = |(ground, wind): &(Ground, Wind)| {
             let landing = DVec2::new(fall.leaf.twig.x, fall.leaf.twig.z) + fall.aside;
-            ground.is_raked(rest(scene, (&ground, &wind), fall, landing), scene.fall.raked)
+            ground.is_raked(rest(self.scene, (ground, wind), fall, landing), self.scene.fall.raked)
         };
-        let is_raked = fall.fate.lies() && lies_raked();
-        if is_raked {
-            fall.fate = Fate::Decayed;
+        match self.raked.as_ref().filter(|_| fate.lies()) {
+            Some(raked) if lies_raked(raked) => (Fate::Decayed, true),
+            _ => (fate, false),
         }
-        is_raked
-    };
-    all.par_iter_mut().map(|fall| u64::from(raked(fall))).sum()
+    }
 }
 
 /// Where a leaf that has landed comes to rest: it drifts on, then slides.

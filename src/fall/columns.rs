@@ -89,47 +89,76 @@ pub(super) fn middle(first: u32, cell: usize, side: f64) -> f64 {
 }
 
 /// The cells of a block.
-#[derive(Clone, Default)]
-struct Block {
+#[derive(Default)]
+struct Block<'a> {
     /// The first column and row.
     first: [u32; 2],
-    /// Cells from a row to the next, and rows.
+    /// Cells from a row to the next.
     stride: usize,
-    rows: usize,
-    /// The cells; none before they are worked in.
-    values: Vec<u16>,
+    /// The cells: what was there before, until they are worked in.
+    values: &'a mut [u16],
+    is_cleared: bool,
 }
 
-impl Block {
+impl Block<'_> {
     /// The place of a cell.
     fn at(&self, column: u32, row: u32) -> usize {
         (row - self.first[1]) as usize * self.stride + (column - self.first[0]) as usize
     }
 
-    fn fill(&mut self) {
-        if self.values.is_empty() {
-            self.values = vec![0; self.stride * self.rows];
+    /// Zeros in all cells at first: by the thread that works in them, whose cache then holds them.
+    fn clear(&mut self) {
+        if !self.is_cleared {
+            self.values.fill(0);
+            self.is_cleared = true;
         }
     }
 }
 
+/// The cells of one field after another: fields of like sizes, taken from the system and given back each day, would leave holes
+/// that grow.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Cells(Vec<u16>);
+
+impl Cells {
+    /// At least so many cells with any values.
+    fn take(&mut self, count: usize) -> &mut [u16] {
+        if self.0.len() < count {
+            // the old ones go first, so that both are never held
+            self.0 = Vec::new();
+            self.0 = vec![0; count];
+        }
+        &mut self.0
+    }
+}
+
 /// The field.
-pub(super) struct Columns {
+pub(super) struct Columns<'a> {
     /// Cells along a block's side, as a power of two.
     bits: u32,
     /// The blocks by their numbers in a schedule.
-    blocks: Vec<Block>,
+    blocks: Vec<Block<'a>>,
+    /// What the blocks take, bytes.
+    pub bytes: u64,
 }
 
-impl Columns {
+impl<'a> Columns<'a> {
     /// A field of zeros over the blocks of a schedule, each of `2^bits` cells along a side.
-    pub(super) fn new(schedule: &Schedule, bits: u32) -> Self {
+    pub(super) fn new(schedule: &Schedule, bits: u32, cells: &'a mut Cells) -> Self {
         let part = bits - PARTS_BITS;
-        let block = |reached: &Extent| {
+        let size = |reached: &Extent| {
             let [width, rows] = [0, 1].map(|axis| ((reached.high[axis] - reached.low[axis] + 1) as usize) << part);
-            Block { first: reached.low.map(|cell| cell << part), stride: stride(width), rows, values: Vec::new() }
+            (stride(width), rows)
         };
-        Self { bits, blocks: schedule.blocks.iter().map(block).collect() }
+        let count: usize = schedule.blocks.iter().map(size).map(|(stride, rows)| stride * rows).sum();
+        let mut rest = cells.take(count);
+        let block = |reached: &Extent| {
+            let (stride, rows) = size(reached);
+            let (values, others) = std::mem::take(&mut rest).split_at_mut(stride * rows);
+            rest = others;
+            Block { first: reached.low.map(|cell| cell << part), stride, values, is_cleared: false }
+        };
+        Self { bits, blocks: schedule.blocks.iter().map(block).collect(), bytes: 2 * count as u64 }
     }
 
     /// Does work for every leaf of a schedule; what may touch the same cells is done one after another in the schedule's
@@ -138,15 +167,15 @@ impl Columns {
         &mut self,
         schedule: &Schedule,
         is_backwards: bool,
-        work: impl Fn(&mut S, &mut Region, usize) -> T + Sync,
+        work: impl Fn(&mut S, &mut Region<'a>, usize) -> T + Sync,
         mut keep: impl FnMut(usize, T),
     ) {
         let phases: Vec<&[Task]> = schedule.phases().collect();
         let count = phases.len();
         for number in 0..count {
             let tasks = phases[if is_backwards { count - 1 - number } else { number }];
-            let mut regions: Vec<Region> = tasks.iter().map(|task| self.take(task)).collect();
-            let one = |(task, region): (&Task, &mut Region)| {
+            let mut regions: Vec<Region<'a>> = tasks.iter().map(|task| self.take(task)).collect();
+            let one = |(task, region): (&Task, &mut Region<'a>)| {
                 let mut state = S::default();
                 let leaves = schedule.leaves(task);
                 let mut answer = |&leaf: &u32| work(&mut state, region, leaf as usize);
@@ -167,17 +196,12 @@ impl Columns {
         }
     }
 
-    /// What the blocks take, bytes.
-    pub(super) fn bytes(&self) -> u64 {
-        self.blocks.iter().map(|block| std::mem::size_of_val(block.values.as_slice()) as u64).sum()
-    }
-
-    fn take(&mut self, task: &Task) -> Region {
+    fn take(&mut self, task: &Task) -> Region<'a> {
         let block = |number: u32| self.blocks.get_mut(number as usize).map(std::mem::take).unwrap_or_default();
         Region { bits: self.bits, corner: task.corner, blocks: task.blocks.map(block) }
     }
 
-    fn put(&mut self, task: &Task, region: Region) {
+    fn put(&mut self, task: &Task, region: Region<'a>) {
         for (number, block) in task.blocks.into_iter().zip(region.blocks) {
             if let Some(place) = self.blocks.get_mut(number as usize) {
                 *place = block;
@@ -187,14 +211,14 @@ impl Columns {
 }
 
 /// Two by two blocks.
-pub(super) struct Region {
+pub(super) struct Region<'a> {
     bits: u32,
     /// Column and row of the first block.
     corner: [u32; 2],
-    blocks: [Block; 4],
+    blocks: [Block<'a>; 4],
 }
 
-impl Region {
+impl<'a> Region<'a> {
     /// Works on the cells of an extent within the region: in place, or, where they lie in several blocks, on a copy that is
     /// written back.
     pub(super) fn open<R>(&mut self, extent: Extent, copy: &mut Vec<u16>, work: impl FnOnce(Patch<'_>) -> R) -> R {
@@ -234,10 +258,10 @@ impl Region {
         }
     }
 
-    fn block(&mut self, at: [u32; 2]) -> &mut Block {
+    fn block(&mut self, at: [u32; 2]) -> &mut Block<'a> {
         let [x, z] = [0, 1].map(|axis| at[axis].wrapping_sub(self.corner[axis]) as usize & 1);
         let block = &mut self.blocks[2 * z + x];
-        block.fill();
+        block.clear();
         block
     }
 }

@@ -3,7 +3,7 @@
 //! Counted from the latest landing back to the first on a coarse lattice: what lies over a leaf is what landed on its place
 //! after it. No heights are needed, so it is known before any leaf is laid.
 
-use super::columns::{Columns, Extent, Patch, in_cells};
+use super::columns::{Cells, Columns, Extent, Patch, in_cells};
 use super::litter::Landed;
 use super::schedule::Schedule;
 use super::shape::Shape;
@@ -29,9 +29,10 @@ pub(super) fn over(
     landed: &[Landed],
     (schedule, extents): (&Schedule, &[Extent]),
     (side, bits): (f64, u32),
+    field: &mut Cells,
     keep: impl FnMut(usize, Over),
 ) -> u64 {
-    let work = |(copy, cells): &mut (Vec<u16>, Vec<u32>), region: &mut super::columns::Region, number: usize| {
+    let work = |(copy, cells): &mut (Vec<u16>, Vec<u32>), region: &mut super::columns::Region<'_>, number: usize| {
         let leaf = &landed[number];
         let Some(shape) = shapes.get(leaf.shape as usize) else { return Over::default() };
         region.open(extents[number].coarser(WIDER), copy, |mut patch| {
@@ -39,9 +40,9 @@ pub(super) fn over(
             counted(&mut patch, cells)
         })
     };
-    let mut columns = Columns::new(schedule, bits - WIDER);
+    let mut columns = Columns::new(schedule, bits - WIDER, field);
     columns.each(schedule, true, work, keep);
-    columns.bytes()
+    columns.bytes
 }
 
 /// The cells below a leaf, some of them more than once.

@@ -7,7 +7,7 @@
 //! leaves may come in any order.
 
 use super::changes::Changes;
-use super::columns::{Columns, Extent, Patch, Region, block_bytes};
+use super::columns::{Cells, Columns, Extent, Patch, Region, block_bytes};
 use super::contact::{Bed, Stance, Tools};
 use super::layers::{self, Over, WIDER};
 use super::schedule::Schedule;
@@ -92,6 +92,8 @@ pub struct Litter {
     cells: (f64, u32),
     /// All leaves in the order of their landings.
     kept: Vec<Kept>,
+    /// Where fields are made.
+    field: Cells,
     /// Leaves laid so far, each time that one was.
     pub settled: u64,
     /// The most that a field of heights has taken so far, bytes.
@@ -119,8 +121,8 @@ impl Default for Litter {
 impl Litter {
     /// Litter whose field of heights takes about so many bytes at most.
     pub(super) fn within(most_bytes: usize) -> Self {
-        let (ground, cells, kept) = (Ground::default(), (0.0, 0), Vec::new());
-        Self { most_bytes, ground, cells, kept, settled: 0, field_bytes: 0 }
+        let (ground, cells, kept, field) = (Ground::default(), (0.0, 0), Vec::new(), Cells::default());
+        Self { most_bytes, ground, cells, kept, field, settled: 0, field_bytes: 0 }
     }
 
     /// Lays leaves as `settle` does. The shapes have to be the same at each call.
@@ -150,7 +152,7 @@ impl Litter {
             (0..order.len()).filter(|&rank| changes.is_needed(rank, &leaves)).map(|rank| rank as u32).collect();
         let most_blocks = self.most_bytes / block_bytes(bed.bits);
         Windows::new(&extents, &needed, bed.bits, most_blocks).each(Reason::Laid, |window| {
-            let bytes = laid_in(window, &bed, shapes, &mut leaves, (&over, &changes));
+            let bytes = laid_in((window, &mut self.field), &bed, shapes, &mut leaves, (&over, &changes));
             self.field_bytes = self.field_bytes.max(bytes);
         });
         let mut all = vec![NOWHERE; landed.len()];
@@ -171,7 +173,7 @@ impl Litter {
                     over[rank] = found;
                 }
             };
-            let bytes = layers::over(shapes, sorted, (&schedule, extents), (bed.side, bed.bits), keep);
+            let bytes = layers::over(shapes, sorted, (&schedule, extents), (bed.side, bed.bits), &mut self.field, keep);
             self.field_bytes = self.field_bytes.max(bytes);
         });
         over
@@ -184,7 +186,7 @@ fn schedule(window: &Window, extents: &[Extent], bits: u32) -> Schedule {
 
 /// Lays the leaves of a window; leaves that lie as before have their stances. The bytes of the field that it took.
 fn laid_in(
-    window: &Window,
+    (window, field): (&Window, &mut Cells),
     bed: &Bed<'_>,
     shapes: &[&Shape],
     leaves: &mut [Kept],
@@ -192,9 +194,9 @@ fn laid_in(
 ) -> u64 {
     let extents = window.leaves.iter().map(|&rank| (rank, leaves[rank as usize].extent));
     let schedule = Schedule::new(extents, bed.bits);
-    let mut columns = Columns::new(&schedule, bed.bits);
+    let mut columns = Columns::new(&schedule, bed.bits, field);
     let mut found = Vec::with_capacity(window.own.len());
-    let lay = |tools: &mut Tools, region: &mut Region, rank: usize| {
+    let lay = |tools: &mut Tools, region: &mut Region<'_>, rank: usize| {
         tools.with(region, leaves[rank].extent, |tools, mut patch| {
             laid(bed, tools, &mut patch, shapes, &leaves[rank], changes.before[rank].is_some())
         })
@@ -207,7 +209,7 @@ fn laid_in(
     for (rank, new) in found.into_iter().filter(|(rank, _)| changes.before[*rank].is_none()) {
         (leaves[rank].stance, leaves[rank].laid) = new;
     }
-    let hides = |tools: &mut Tools, region: &mut Region, rank: usize| {
+    let hides = |tools: &mut Tools, region: &mut Region<'_>, rank: usize| {
         let Kept { landed, extent, form, stance, laid } = &leaves[rank];
         if !window.owns(rank) || !changes.is_seen_anew(rank, leaves) {
             return laid.is_buried;
@@ -220,7 +222,7 @@ fn laid_in(
     let mut hidden = Vec::with_capacity(window.own.len());
     columns.each(&schedule, false, hides, |rank, is_hidden| hidden.push((rank, is_hidden)));
     hidden.into_iter().for_each(|(rank, is_hidden)| leaves[rank].laid.is_buried = is_hidden);
-    columns.bytes()
+    columns.bytes
 }
 
 /// Lays a leaf, or puts it where it lay before.

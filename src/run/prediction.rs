@@ -1,7 +1,7 @@
 //! What memory a run will take, held against the limit before any of it is taken.
 
 use super::growth::{LEAF_BYTES, SITE_BYTES, WOOD_BYTES};
-use super::preparation::{KEPT_BYTES, Prepared, STATE_BYTES};
+use super::preparation::{KEPT_BYTES, Prepared, SHED_BYTES, STATE_BYTES};
 use super::{fault, memory};
 use crate::base::diagnostic::Diagnostics;
 use crate::base::limits::{Limit, Limits};
@@ -115,7 +115,8 @@ fn kept(cell: &Prepared) -> Parts {
     if plan.has("fall") {
         parts.push(("fall", stand.leaf_ids.len() as f64 * FALL_BYTES));
     }
-    let states = plan.frames.len() as f64 * (stand.leaf_ids.len() * STATE_BYTES) as f64;
+    let of_leaf = STATE_BYTES + if scene.leaves_fall() { SHED_BYTES } else { 0 };
+    let states = plan.frames.len() as f64 * (stand.leaf_ids.len() * of_leaf) as f64;
     parts.push(("time", states.min(KEPT_BYTES as f64)));
     for (number, species) in scene.species.iter().enumerate() {
         let made = |garments: Vec<Garment>, count: u32| crate::plan::items(&garments, count).len() as f64;

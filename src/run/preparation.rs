@@ -20,8 +20,9 @@ use std::time::Instant;
 
 /// Bytes of states that are kept from the count of a frame until it is drawn; those beyond are drawn twice.
 pub(super) const KEPT_BYTES: usize = 64_000_000;
-/// Bytes of a leaf's state.
+/// Bytes of a leaf's state, and of what is told of a leaf of the year before.
 pub(super) const STATE_BYTES: usize = 12;
+pub(super) const SHED_BYTES: usize = 24;
 
 /// A scene with one seed, whose trees have grown and whose leaves are counted. A contact sheet has one for each cell.
 pub struct Prepared {
@@ -37,6 +38,7 @@ pub struct Prepared {
     pub seasons: Seasons,
     /// The states of frames that are still to be drawn.
     kept: BTreeMap<i64, (LeafStates, Figures)>,
+    kept_bytes: usize,
     /// The ways of the leaves that have fallen, found once for all frames.
     pub ways: Ways,
 }
@@ -92,6 +94,7 @@ pub fn prepare(cells: Vec<Scene>, asked: &Asked<'_>, report: &mut Report) -> Res
             plan: Plan::default(),
             seasons,
             kept: BTreeMap::new(),
+            kept_bytes: 0,
             ways: Ways::default(),
         };
         let frames = asked.frames.iter().take_while(|_| !(asked.stop)());
@@ -154,7 +157,9 @@ impl Prepared {
         }
         let falls = falls.unwrap_or_default();
         let signature = plan::signature_of_falls(signature, &falls, day);
-        if (self.kept.len() + 1) * states.states.len() * STATE_BYTES <= KEPT_BYTES {
+        let bytes = states.states.len() * STATE_BYTES + states.shed.len() * SHED_BYTES;
+        if self.kept_bytes + bytes <= KEPT_BYTES {
+            self.kept_bytes += bytes;
             self.kept.insert(index, (states, figures));
         }
         Counted { index, day, worn, looks: falls.looks(), signature }
