@@ -4,9 +4,10 @@
 //! A `Region` is two by two blocks, taken out of the field and put back. Regions that share no block are worked in at the same
 //! time.
 
-use super::schedule::{PARTS_BITS, Schedule, Task};
+use super::schedule::{PARTS_BITS, Schedule, Task, by_blocks, reached};
 use crate::base::vector::DVec2;
 use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// Added to cells before they are rounded towards zero, so that they are rounded down: `floor` is slow on old processors.
 const OFFSET: f64 = (1u32 << 29) as f64;
@@ -146,10 +147,7 @@ impl<'a> Columns<'a> {
     /// A field of zeros over the blocks of a schedule, each of `2^bits` cells along a side.
     pub(super) fn new(schedule: &Schedule, bits: u32, cells: &'a mut Cells) -> Self {
         let part = bits - PARTS_BITS;
-        let size = |reached: &Extent| {
-            let [width, rows] = [0, 1].map(|axis| ((reached.high[axis] - reached.low[axis] + 1) as usize) << part);
-            (stride(width), rows)
-        };
+        let size = |reached: &Extent| size(reached, part);
         let count: usize = schedule.blocks.iter().map(size).map(|(stride, rows)| stride * rows).sum();
         let mut rest = cells.take(count);
         let block = |reached: &Extent| {
@@ -264,6 +262,22 @@ impl<'a> Region<'a> {
         block.clear();
         block
     }
+}
+
+/// Cells from a row to the next and rows of a block in which parts of `2^part` cells along a side are reached.
+fn size(reached: &Extent, part: u32) -> (usize, usize) {
+    let [width, rows] = [0, 1].map(|axis| ((reached.high[axis] - reached.low[axis] + 1) as usize) << part);
+    (stride(width), rows)
+}
+
+/// What a field over leaves with these extents takes, bytes; blocks have `2^bits` cells along a side.
+pub(super) fn field_bytes(extents: impl Iterator<Item = Extent>, bits: u32) -> usize {
+    let part = bits - PARTS_BITS;
+    let mut blocks: HashMap<[u32; 2], Extent> = HashMap::new();
+    for (block, parts) in extents.flat_map(|extent| by_blocks(extent.coarser(part))).map(reached) {
+        blocks.entry(block).and_modify(|known| *known = known.with(parts)).or_insert(parts);
+    }
+    blocks.values().map(|reached| size(reached, part)).map(|(stride, rows)| 2 * stride * rows).sum()
 }
 
 /// What a block of `2^bits` cells along its side takes at most, bytes.

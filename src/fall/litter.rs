@@ -7,7 +7,7 @@
 //! leaves may come in any order.
 
 use super::changes::Changes;
-use super::columns::{Cells, Columns, Extent, Patch, Region, block_bytes};
+use super::columns::{Cells, Columns, Extent, Patch, Region};
 use super::contact::{Bed, Stance, Tools};
 use super::layers::{self, Over, WIDER};
 use super::schedule::Schedule;
@@ -150,9 +150,10 @@ impl Litter {
         self.settled += changes.before.iter().filter(|before| before.is_none()).count() as u64;
         let needed: Vec<u32> =
             (0..order.len()).filter(|&rank| changes.is_needed(rank, &leaves)).map(|rank| rank as u32).collect();
-        let most_blocks = self.most_bytes / block_bytes(bed.bits);
-        Windows::new(&extents, &needed, bed.bits, most_blocks).each(Reason::Laid, |window| {
-            let bytes = laid_in((window, &mut self.field), &bed, shapes, &mut leaves, (&over, &changes));
+        // what is in a soft layer takes its place whatever lies below it
+        let known = leaves.iter().zip(&changes.before).map(|(leaf, before)| leaf.form.1 || before.is_some()).collect();
+        Windows::new(&extents, &needed, bed.bits, self.most_bytes).each(Reason::Laid, known, |window, known| {
+            let bytes = laid_in((window, &mut self.field), &bed, shapes, (&mut leaves, known), (&over, &changes));
             self.field_bytes = self.field_bytes.max(bytes);
         });
         let mut all = vec![NOWHERE; landed.len()];
@@ -165,8 +166,8 @@ impl Litter {
     fn over(&mut self, bed: &Bed<'_>, shapes: &[&Shape], sorted: &[Landed], extents: &[Extent]) -> Vec<Over> {
         let all: Vec<u32> = (0..sorted.len() as u32).collect();
         let mut over = vec![Over::default(); sorted.len()];
-        let most_blocks = self.most_bytes / block_bytes(bed.bits - WIDER);
-        Windows::new(extents, &all, bed.bits, most_blocks).each(Reason::Counted, |window| {
+        let most_bytes = self.most_bytes << (2 * WIDER);
+        Windows::new(extents, &all, bed.bits, most_bytes).each(Reason::Counted, Vec::new(), |window, _| {
             let schedule = schedule(window, extents, bed.bits);
             let keep = |rank: usize, found: Over| {
                 if window.owns(rank) {
@@ -184,12 +185,12 @@ fn schedule(window: &Window, extents: &[Extent], bits: u32) -> Schedule {
     Schedule::new(window.leaves.iter().map(|&rank| (rank, extents[rank as usize])), bits)
 }
 
-/// Lays the leaves of a window; leaves that lie as before have their stances. The bytes of the field that it took.
+/// Lays the leaves of a window; known leaves have their stances. The bytes of the field that it took.
 fn laid_in(
     (window, field): (&Window, &mut Cells),
     bed: &Bed<'_>,
     shapes: &[&Shape],
-    leaves: &mut [Kept],
+    (leaves, known): (&mut [Kept], &[bool]),
     (over, changes): (&[Over], &Changes),
 ) -> u64 {
     let extents = window.leaves.iter().map(|&rank| (rank, leaves[rank as usize].extent));
@@ -198,17 +199,16 @@ fn laid_in(
     let mut found = Vec::with_capacity(window.own.len());
     let lay = |tools: &mut Tools, region: &mut Region<'_>, rank: usize| {
         tools.with(region, leaves[rank].extent, |tools, mut patch| {
-            laid(bed, tools, &mut patch, shapes, &leaves[rank], changes.before[rank].is_some())
+            laid(bed, tools, &mut patch, shapes, &leaves[rank], known[rank])
         })
     };
     columns.each(&schedule, false, lay, |rank, new| {
-        if window.owns(rank) {
+        let is_told = leaves[rank].form.1 && window.owns(rank) && changes.before[rank].is_none();
+        if is_told || !known[rank] {
             found.push((rank, new));
         }
     });
-    for (rank, new) in found.into_iter().filter(|(rank, _)| changes.before[*rank].is_none()) {
-        (leaves[rank].stance, leaves[rank].laid) = new;
-    }
+    found.into_iter().for_each(|(rank, new)| (leaves[rank].stance, leaves[rank].laid) = new);
     let hides = |tools: &mut Tools, region: &mut Region<'_>, rank: usize| {
         let Kept { landed, extent, form, stance, laid } = &leaves[rank];
         if !window.owns(rank) || !changes.is_seen_anew(rank, leaves) {

@@ -103,6 +103,14 @@ pub(super) fn by_blocks(
         .flat_map(move |z| (blocks.low[0]..=blocks.high[0]).map(move |x| ([x, z], range(1, z), range(0, x))))
 }
 
+/// A block with the extent of rows and columns of its parts.
+pub(super) fn reached(
+    (block, rows, columns): ([u32; 2], RangeInclusive<usize>, RangeInclusive<usize>),
+) -> ([u32; 2], Extent) {
+    let at = |row: &usize, column: &usize| [block[0] << PARTS_BITS | *column as u32, block[1] << PARTS_BITS | *row as u32];
+    (block, Extent { low: at(rows.start(), columns.start()), high: at(rows.end(), columns.end()) })
+}
+
 /// The latest phase that meets each part of the blocks.
 #[derive(Default)]
 struct Blocks {
@@ -115,15 +123,12 @@ struct Blocks {
 impl Blocks {
     /// Makes the blocks of parts, and room in them.
     fn reach(&mut self, parts: Extent) {
-        for (block, rows, columns) in by_blocks(parts) {
-            let first = block.map(|number| number << PARTS_BITS);
-            let low = [first[0] + *columns.start() as u32, first[1] + *rows.start() as u32];
-            let high = [first[0] + *columns.end() as u32, first[1] + *rows.end() as u32];
+        for (block, parts) in by_blocks(parts).map(reached) {
             let number = *self.numbers.entry(block).or_insert(self.phases.len() as u32) as usize;
             match self.reached.get_mut(number) {
-                Some(reached) => *reached = reached.with(Extent { low, high }),
+                Some(reached) => *reached = reached.with(parts),
                 None => {
-                    self.reached.push(Extent { low, high });
+                    self.reached.push(parts);
                     self.phases.push([0; 1 << (2 * PARTS_BITS)]);
                 }
             }

@@ -2,12 +2,12 @@
 //!
 //! A field over all of the litter would take memory by the area. Where that is too much, the leaves are laid window by window:
 //! those of a window, those that may lie on them or hide them, and all on which these may rest. What a leaf rests on lies near
-//! it: each link of such a chain is an earlier landing within reach, so a chain has few links beyond the leaves that lie one
-//! upon another there. Every leaf finds in its window all that it would find in the whole field, hence lies the same; some are
-//! laid in several windows, and are told of in their own.
+//! it: each link of such a chain is an earlier landing within reach, and the chain ends at leaves of which it is known how they
+//! lie, from a window before. Every leaf finds in its window all that it would find in the whole field, hence lies the same;
+//! leaves that reach into several windows are told of in their own.
 
-use super::columns::Extent;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use super::columns::{Extent, block_bytes, field_bytes};
+use std::collections::{BTreeMap, HashMap};
 
 /// Bytes of a field that is not cut.
 pub(super) const MOST_BYTES: usize = 160 << 20;
@@ -32,7 +32,7 @@ pub fn most_field_bytes(leaves: f64) -> f64 {
 pub(super) enum Reason {
     /// Those that land on its leaves later are counted.
     Counted,
-    /// Its leaves are laid: on earlier ones, which lie on earlier ones; and later ones may hide them.
+    /// Its leaves are laid: on earlier ones, which lie on earlier ones unless they are known; and later ones may hide them.
     Laid,
 }
 
@@ -64,17 +64,16 @@ pub(super) struct Windows<'a> {
 
 impl<'a> Windows<'a> {
     /// Windows over the leaves of these ranks (ascending), whose `extents` are in cells, `2^bits` along a block's side; a field
-    /// takes at most `most` blocks uncut.
-    pub(super) fn new(extents: &'a [Extent], leaves: &[u32], bits: u32, most: usize) -> Self {
+    /// takes at most `most_bytes` uncut.
+    pub(super) fn new(extents: &'a [Extent], leaves: &[u32], bits: u32, most_bytes: usize) -> Self {
         let mut windows = Self { extents, bits: bits - PARTS_BITS, squares: HashMap::new(), own: Vec::new() };
         let of = |rank: u32| extents[rank as usize];
-        let mut blocks = HashSet::new();
-        leaves.iter().for_each(|&rank| blocks.extend(cells(of(rank).coarser(bits))));
-        if blocks.len() <= most {
+        if field_bytes(leaves.iter().map(|&rank| of(rank)), bits) <= most_bytes {
             windows.own.push(leaves.to_vec());
             return windows;
         }
         // windows of the same memory as a field that is not cut, with room for as many blocks about them
+        let most = most_bytes / block_bytes(bits);
         let side_bits = bits + SIDE_BITS.min((most / 4).max(1).ilog2() / 2);
         let mut own: BTreeMap<[u32; 2], Vec<u32>> = BTreeMap::new();
         for &rank in leaves {
@@ -87,43 +86,53 @@ impl<'a> Windows<'a> {
         windows
     }
 
-    /// The windows one after another.
-    pub(super) fn each(mut self, reason: Reason, mut work: impl FnMut(&Window)) {
+    /// The windows one after another; `known` are the leaves of which it is known how they lie. Those of a window are, after it.
+    pub(super) fn each(mut self, reason: Reason, mut known: Vec<bool>, mut work: impl FnMut(&Window, &[bool])) {
         let mut stamps = vec![0u32; if self.squares.is_empty() { 0 } else { self.extents.len() }];
         for (number, own) in (1..).zip(std::mem::take(&mut self.own)) {
-            let leaves = if stamps.is_empty() { own.clone() } else { self.held(&own, reason, (number, &mut stamps)) };
-            work(&Window { leaves, own });
+            let leaves =
+                if stamps.is_empty() { own.clone() } else { self.held(&own, reason, &known, (number, &mut stamps)) };
+            let window = Window { leaves, own };
+            work(&window, &known);
+            if reason == Reason::Laid {
+                window.leaves.iter().for_each(|&rank| known[rank as usize] = true);
+            }
         }
     }
 
     /// All leaves that a window holds; those that carry its number are.
-    fn held(&self, own: &[u32], reason: Reason, (number, stamps): (u32, &mut [u32])) -> Vec<u32> {
+    fn held(&self, own: &[u32], reason: Reason, known: &[bool], (number, stamps): (u32, &mut [u32])) -> Vec<u32> {
         let mut held = own.to_vec();
         own.iter().for_each(|&rank| stamps[rank as usize] = number);
         let mut next = 0;
         while let Some(&rank) = held.get(next) {
             let is_own = next < own.len();
+            next += 1;
+            if !is_own && (reason == Reason::Counted || known[rank as usize]) {
+                continue;
+            }
             let is_held = |other: u32| match reason {
-                Reason::Counted => is_own && other > rank,
+                Reason::Counted => other > rank,
                 Reason::Laid => is_own || other < rank,
             };
-            for other in self.meeting(rank) {
-                if is_held(other) && stamps[other as usize] != number {
+            let extent = self.extents[rank as usize];
+            for other in self.near(extent) {
+                // the test of places last: most are held already
+                let is_new = stamps[other as usize] != number && is_held(other);
+                if is_new && meet(extent, self.extents[other as usize]) {
                     stamps[other as usize] = number;
                     held.push(other);
                 }
             }
-            next += 1;
         }
         held.sort_unstable();
         held
     }
 
-    /// The leaves that share cells with a leaf; some more than once.
-    fn meeting(&self, rank: u32) -> impl Iterator<Item = u32> {
-        let extent = self.extents[rank as usize];
+    /// The leaves that reach into the squares of an extent; some more than once.
+    fn near(&self, extent: Extent) -> impl Iterator<Item = u32> {
         let squares = cells(extent.coarser(self.bits)).filter_map(|square| self.squares.get(&square));
-        squares.flatten().copied().filter(move |&other| meet(extent, self.extents[other as usize]))
+        squares.flatten().copied()
     }
 }
 
@@ -158,26 +167,30 @@ mod tests {
     fn every_leaf_is_of_one_window_which_holds_all_that_it_depends_on() {
         let extents = extents(1500, 4000.0);
         let all: Vec<u32> = (0..1500).collect();
+        let known: Vec<bool> = all.iter().map(|rank| rank % 7 == 0).collect();
         for reason in [Reason::Counted, Reason::Laid] {
-            let (mut told, mut windows, mut most) = (Vec::new(), 0, 0);
-            Windows::new(&extents, &all, 7, 64).each(reason, |window| {
+            let (mut told, mut laid, mut windows, mut most) = (Vec::new(), 0, 0, 0);
+            Windows::new(&extents, &all, 7, 64 * block_bytes(7)).each(reason, known.clone(), |window, known| {
                 told.extend(window.own.clone());
                 (windows, most) = (windows + 1, most.max(window.leaves.len()));
                 assert!(window.leaves.is_sorted() && window.own.iter().all(|own| window.leaves.contains(own)));
                 let holds = |rank: u32| window.leaves.binary_search(&rank).is_ok();
                 for &rank in &window.leaves {
-                    let is_own = window.owns(rank as usize);
+                    let (is_own, is_new) = (window.owns(rank as usize), !known[rank as usize]);
+                    laid += u32::from(is_new);
                     for &other in all.iter().filter(|&&other| meet(extents[other as usize], extents[rank as usize])) {
                         let is_needed = match reason {
                             Reason::Counted => is_own && other > rank,
-                            Reason::Laid => is_own || other < rank,
+                            Reason::Laid => is_own || (is_new && other < rank),
                         };
                         assert!(!is_needed || holds(other), "{rank} {other}");
                     }
                 }
             });
             told.sort_unstable();
-            assert!(told == all && windows > 9 && most < 700, "{windows} {most}");
+            assert!(told == all && windows > 9 && most < 500, "{windows} {most}");
+            let unknown = known.iter().filter(|is_known| !*is_known).count() as u32;
+            assert!(reason == Reason::Counted || laid == unknown, "each is laid once: {laid} {unknown}");
         }
     }
 
@@ -186,7 +199,7 @@ mod tests {
         let extents = extents(300, 500.0);
         let all: Vec<u32> = (0..300).collect();
         let mut count = 0;
-        Windows::new(&extents, &all, 7, 64).each(Reason::Laid, |window| {
+        Windows::new(&extents, &all, 7, 64 * block_bytes(7)).each(Reason::Laid, vec![false; 300], |window, _| {
             count += 1;
             assert!(window.leaves == all && window.own == all);
         });
