@@ -29,7 +29,7 @@ fn quad(width: f32, height: f32) -> Mesh {
 
 fn texture(name: &str, repeat: bool, shift: u8) -> Texture {
     let pixels = (0..64u8).map(|i| [i.wrapping_mul(3).wrapping_add(shift), 128, i]).collect();
-    Texture { name: name.to_owned(), width: 8, height: 8, pixels, repeat }
+    Texture { name: name.to_owned(), width: 8, height: 8, pixels: Arc::new(pixels), repeat }
 }
 
 fn material(name: &str, reflected: u32, transmitted: Option<u32>, transmission: [f32; 3]) -> Material {
@@ -311,7 +311,10 @@ fn broken_frames_are_refused_and_nothing_is_written() {
         ),
         (|f| f.materials[0].roughness = f32::INFINITY, |e| matches!(e, ExportError::NotFinite { .. })),
         (|f| f.instances[2].transform.linear *= -1.0, |e| matches!(e, ExportError::NotSimilar { instance: 2, .. })),
-        (|f| Arc::make_mut(&mut f.textures[0]).pixels.truncate(63), |e| matches!(e, ExportError::Size { .. })),
+        (
+            |f| Arc::make_mut(&mut Arc::make_mut(&mut f.textures[0]).pixels).truncate(63),
+            |e| matches!(e, ExportError::Size { .. }),
+        ),
     ];
     for (break_it, is_wanted) in table {
         for layout in LAYOUTS {

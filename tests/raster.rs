@@ -7,6 +7,7 @@ use leafseason::frame::{
 };
 use leafseason::raster;
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 const WIDTH: u32 = 96;
 const HEIGHT: u32 = 64;
@@ -136,7 +137,7 @@ fn the_lower_side_reflects_by_its_own_measure() {
 
 /// A texture of one colour.
 fn plain(name: &str, pixel: [u8; 3]) -> std::sync::Arc<Texture> {
-    Texture { name: name.into(), width: 1, height: 1, pixels: vec![pixel], repeat: false }.into()
+    Texture { name: name.into(), width: 1, height: 1, pixels: Arc::new(vec![pixel]), repeat: false }.into()
 }
 
 #[test]

@@ -118,7 +118,7 @@ fn place(id: u64) -> Affine {
 fn texture(name: &str, mean: u8) -> Texture {
     let mut stream = Stream::new(2, Purpose::Variant, u64::from(mean), 0);
     let pixels = (0..256 * 256).map(|_| [mean - stream.below(60) as u8, mean / 2, mean / 4]).collect();
-    Texture { name: name.to_owned(), width: 256, height: 256, pixels, repeat: name != "leaf" }
+    Texture { name: name.to_owned(), width: 256, height: 256, pixels: Arc::new(pixels), repeat: name != "leaf" }
 }
 
 fn material(name: &str, texture: u32, transmission: f32) -> Material {

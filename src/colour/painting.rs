@@ -41,11 +41,11 @@ pub struct Job {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Painted {
     /// Diffuse reflectance of the upper side, without surface gloss; rows from the top.
-    pub reflected: Vec<[u8; 3]>,
+    pub reflected: Arc<Vec<[u8; 3]>>,
     /// Diffuse transmittance.
-    pub transmitted: Vec<[u8; 3]>,
+    pub transmitted: Arc<Vec<[u8; 3]>>,
     /// Diffuse reflectance of the lower side, without surface gloss; empty for one that looks as the upper does.
-    pub below: Vec<[u8; 3]>,
+    pub below: Arc<Vec<[u8; 3]>>,
     /// Normals of the upper side, x to the right, y up, z out of the leaf, -1..1 in 0..255; shared by all textures of a
     /// blade. Empty for a smooth one.
     pub relief: Arc<Vec<[u8; 3]>>,
@@ -213,7 +213,7 @@ impl Painter<'_> {
                 pixels[pixel as usize] = [0, 1, 2].map(faded);
             }
         }
-        let [reflected, transmitted, below] = sides;
+        let [reflected, transmitted, below] = sides.map(Arc::new);
         Painted { reflected, transmitted, below, relief: relief.clone(), size: surface.size as u32 }
     }
 }

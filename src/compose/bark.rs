@@ -9,6 +9,7 @@ use crate::base::vector::DVec3;
 use crate::frame::Texture;
 use crate::tree::{BarkKind, Settings, Wood};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Pixels around of the thinnest and of the thickest wood's texture; twice as many along.
 const LEAST: u32 = 64;
@@ -54,7 +55,7 @@ pub(super) fn relief(settings: &Settings, wood: &Wood, bark: &Texture) -> Option
         let normal: [f64; 3] = normal.into();
         normal.map(|part| (part * 127.0 + 128.0) as u8)
     };
-    let pixels = (0..width * rows).into_par_iter().map(texel).collect();
+    let pixels = Arc::new((0..width * rows).into_par_iter().map(texel).collect());
     Some(Texture { name: format!("{}_relief", bark.name), pixels, ..bark.clone() })
 }
 
@@ -70,7 +71,7 @@ pub(super) fn texture(settings: &Settings, wood: &Wood, seed: u64) -> Texture {
         let (u, v) = ((column as f32 + 0.5) / width as f32, (row as f32 + 0.5) / height as f32);
         bark.colour(u, v).map(|value| encoder.code(value))
     };
-    let pixels = (0..width * height).into_par_iter().map(texel).collect();
+    let pixels = Arc::new((0..width * height).into_par_iter().map(texel).collect());
     Texture { name: format!("bark_{}", wood.class), width, height, pixels, repeat: true }
 }
 

@@ -5,6 +5,7 @@ use crate::base::noise::Fractal;
 use crate::base::random::hash;
 use crate::frame::Texture;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Pixels along one side.
 const SIZE: usize = 512;
@@ -40,7 +41,13 @@ pub(super) fn texture(seed: u64, sun: [f64; 2]) -> Texture {
         [code(dense[index]), code(lit), 128]
     };
     let pixels = (0..SIZE * SIZE).into_par_iter().map(texel).collect();
-    Texture { name: "clouds".to_owned(), width: SIZE as u32, height: SIZE as u32, pixels, repeat: true }
+    Texture {
+        name: "clouds".to_owned(),
+        width: SIZE as u32,
+        height: SIZE as u32,
+        pixels: Arc::new(pixels),
+        repeat: true,
+    }
 }
 
 #[cfg(test)]
@@ -52,7 +59,7 @@ mod tests {
         let [from_left, from_right] = [-1.0, 1.0].map(|x| texture(3, [x, 0.0]));
         let densities: Vec<u8> = from_left.pixels.iter().map(|pixel| pixel[0]).collect();
         assert!(densities.iter().any(|&d| d < 150) && densities.iter().any(|&d| d > 235));
-        assert!(from_left.pixels.iter().zip(&from_right.pixels).all(|(a, b)| a[0] == b[0]));
+        assert!(from_left.pixels.iter().zip(from_right.pixels.iter()).all(|(a, b)| a[0] == b[0]));
         // Where density grows to the right, the sun from the left shines on it.
         let mut sums = [0i64; 2];
         for (index, pixel) in from_left.pixels.iter().enumerate().filter(|(index, _)| index % SIZE + 8 < SIZE) {

@@ -182,10 +182,12 @@ impl Falls {
         let others = ways.find(&Finder::new(scene, stand, names), dropped);
         let way = |one: &Dropped| ways.known(one).or_else(|| others.get(&key(one)));
         let yard = Yard::new(scene, stand);
-        let fate = |one: &Dropped| way(one).map(|fall| {
-            let (fate, is_raked) = yard.fate(fall, day);
-            (fall, fate, is_raked)
-        });
+        let fate = |one: &Dropped| {
+            way(one).map(|fall| {
+                let (fate, is_raked) = yard.fate(fall, day);
+                (fall, fate, is_raked)
+            })
+        };
         let all: Vec<Option<(&Fall, Fate, bool)>> = dropped.par_iter().map(fate).collect();
         let all = || all.iter().flatten();
         let count = |is: &dyn Fn(Fate) -> bool| all().filter(|(_, fate, _)| is(*fate)).count() as u64;

@@ -103,7 +103,13 @@ pub(super) fn texture(seed: u64, is_grass: bool) -> Texture {
     }
     let encoder = SrgbEncoder::default();
     let pixels = linear.iter().map(|texel| texel.map(|value| encoder.code(value))).collect();
-    Texture { name: "ground".to_owned(), width: SIZE as u32, height: SIZE as u32, pixels, repeat: true }
+    Texture {
+        name: "ground".to_owned(),
+        width: SIZE as u32,
+        height: SIZE as u32,
+        pixels: Arc::new(pixels),
+        repeat: true,
+    }
 }
 
 fn draw_blade(linear: &mut [[f32; 3]], droughts: &Fractal, seed: u64, number: u64) {

@@ -80,7 +80,7 @@ impl Stock {
         };
         let textures: Vec<u32> = parts.iter().flat_map(|part| of_material(part.material)).collect();
         let no_mesh = Arc::new(Mesh::default());
-        let (name, pixels) = (String::new(), vec![[0; 3]]);
+        let (name, pixels) = (String::new(), Arc::new(vec![[0; 3]]));
         let no_texture = Arc::new(Texture { name, width: 1, height: 1, pixels, repeat: false });
         let mesh = |(number, mesh): (usize, &Arc<Mesh>)| {
             let is_used = parts.iter().any(|part| part.mesh as usize == number);

@@ -273,12 +273,12 @@ impl Stock {
     ) -> u32 {
         let mut textures = [None; 4];
         if let Some(painted) = painted {
-            let (has_lower, none) = (species.colour.painting.lower_side, Vec::new());
+            let (has_lower, none) = (species.colour.painting.lower_side, Arc::default());
             let maps = [
                 ("reflected", &painted.reflected),
                 ("transmitted", &painted.transmitted),
                 ("below", if has_lower { &painted.below } else { &none }),
-                ("relief", &*painted.relief),
+                ("relief", &painted.relief),
             ];
             for (slot, (side, pixels)) in textures.iter_mut().zip(maps).filter(|(_, (_, pixels))| !pixels.is_empty()) {
                 // One relief serves all leaves of a species: it is not named after one of them.
@@ -313,7 +313,7 @@ impl Stock {
     }
 
     /// The texture of one map of a painted leaf; the relief is one for all leaves of a blade.
-    fn leaf_texture(&mut self, name: &str, side: &str, painted: &Painted, pixels: &[[u8; 3]]) -> u32 {
+    fn leaf_texture(&mut self, name: &str, side: &str, painted: &Painted, pixels: &Arc<Vec<[u8; 3]>>) -> u32 {
         if side == "relief" {
             if let Some((_, number)) = self.reliefs.iter().find(|(known, _)| Arc::ptr_eq(known, &painted.relief)) {
                 return *number;
@@ -322,7 +322,7 @@ impl Stock {
             self.reliefs.push((painted.relief.clone(), number));
         }
         let (width, height) = (painted.size, painted.size);
-        self.push_texture(Texture { name: name.to_owned(), width, height, pixels: pixels.to_vec(), repeat: false })
+        self.push_texture(Texture { name: name.to_owned(), width, height, pixels: pixels.clone(), repeat: false })
     }
 
     /// A chart's colours as they are, white without one.

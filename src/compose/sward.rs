@@ -9,6 +9,7 @@ use crate::base::random::{Purpose, Stream, hash};
 use crate::base::vector::{Affine, Mat3, Vec2, Vec3};
 use crate::frame::Texture;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Sides of the square cells that are sown, metres; a cell's blades follow one another in the mesh.
 const CELL: f64 = 0.25;
@@ -42,7 +43,7 @@ pub(super) fn palette() -> Texture {
     const ROWS: u32 = 8;
     let width = COLOURS.len() as u32;
     let shade = |colour: u8, row: u32| (f32::from(colour) * (0.52 + 0.40 * row as f32 / (ROWS - 1) as f32)) as u8;
-    let pixels = (0..ROWS).flat_map(|row| COLOURS.map(|c| c.map(|v| shade(v, ROWS - 1 - row)))).collect();
+    let pixels = Arc::new((0..ROWS).flat_map(|row| COLOURS.map(|c| c.map(|v| shade(v, ROWS - 1 - row)))).collect());
     Texture { name: "sward".to_owned(), width, height: ROWS, pixels, repeat: false }
 }
 

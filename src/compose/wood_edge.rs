@@ -69,7 +69,7 @@ fn halvings(pixel: f64) -> u32 {
 
 /// A texture that stands where one will be put.
 pub(super) fn placeholder(name: &str) -> Texture {
-    Texture { name: name.to_owned(), width: 1, height: 1, pixels: vec![[0; 3]], repeat: true }
+    Texture { name: name.to_owned(), width: 1, height: 1, pixels: Arc::new(vec![[0; 3]]), repeat: true }
 }
 
 /// The edge with the numbers of its textures.
@@ -84,7 +84,7 @@ fn painted(seed: u64, halvings: u32) -> [Texture; 2] {
     let code = |value: f32| (128.0 + 127.0 * value.clamp(-1.0, 1.0)) as u8;
     let of = |part: &str, pixels: Vec<[u8; 3]>| {
         let (width, height) = (canvas.grid.width as u32, canvas.grid.height as u32);
-        Texture { name: format!("wood_{part}"), width, height, pixels, repeat: true }
+        Texture { name: format!("wood_{part}"), width, height, pixels: pixels.into(), repeat: true }
     };
     let texels = || canvas.texels.iter();
     [

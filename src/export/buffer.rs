@@ -6,6 +6,9 @@ use gltf_json::validation::Checked::Valid;
 use gltf_json::validation::USize64;
 use gltf_json::{Index, Root, Value};
 
+/// Bytes of a view from which room is made for it alone.
+const LARGE: usize = 1 << 20;
+
 /// The bytes written so far.
 #[derive(Debug, Default)]
 pub(super) struct Buffer {
@@ -17,6 +20,10 @@ impl Buffer {
     /// Appends a view.
     pub(super) fn view(&mut self, root: &mut Root, bytes: &[u8], target: Option<Target>) -> Index<View> {
         let offset = self.bytes.len();
+        if bytes.len() > LARGE {
+            // no more than it takes: doubled, a stand's instances would be held twice
+            self.bytes.reserve_exact(bytes.len() + 4);
+        }
         self.bytes.extend_from_slice(bytes);
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         root.push(View {

@@ -36,7 +36,7 @@ pub fn glb(frame: &Frame, layout: Layout) -> Result<(Vec<u8>, Figures), ExportEr
     document.root.nodes[root_node.value()].children = (!children.is_empty()).then_some(children);
     let triangles = document.triangles;
     let (root, bytes) = finished(document, root_node);
-    let file = container(&root, &bytes)?;
+    let file = container(&root, bytes)?;
     let figures = Figures::of(frame.instances.len() as u64)
         .with("nodes", root.nodes.len())
         .with("meshes", root.meshes.len())
@@ -63,23 +63,24 @@ fn finished(document: Document<'_>, root_node: gltf_json::Index<gltf_json::Node>
     (root, buffer.bytes)
 }
 
-/// The GLB container (glTF 2.0, section 4.4): a header and two chunks, each padded to four bytes.
-fn container(root: &Root, binary: &[u8]) -> Result<Vec<u8>, ExportError> {
+/// The GLB container (glTF 2.0, section 4.4): a header and two chunks, each padded to four bytes. The binary one is not held
+/// twice.
+fn container(root: &Root, binary: Vec<u8>) -> Result<Vec<u8>, ExportError> {
     let mut json = serde_json::to_vec(root)?;
     json.resize(json.len().next_multiple_of(4), b' ');
-    let chunks: &[(&[u8; 4], &[u8])] = &[(b"JSON", &json), (b"BIN\0", binary)];
-    let chunks = if binary.is_empty() { &chunks[..1] } else { chunks };
-    let total = 12 + chunks.iter().map(|(_, content)| 8 + content.len() as u64).sum::<u64>();
+    let chunk_of_binary = if binary.is_empty() { 0 } else { 8 + binary.len() as u64 };
+    let total = 12 + 8 + json.len() as u64 + chunk_of_binary;
     let length = u32::try_from(total).map_err(|_| ExportError::TooLarge { bytes: total })?;
-    let mut file = Vec::with_capacity(length as usize);
-    file.extend_from_slice(b"glTF");
-    file.extend_from_slice(&2u32.to_le_bytes());
-    file.extend_from_slice(&length.to_le_bytes());
-    for (kind, content) in chunks {
-        // Fits, since the whole does.
-        file.extend_from_slice(&(content.len() as u32).to_le_bytes());
-        file.extend_from_slice(*kind);
-        file.extend_from_slice(content);
+    // Other lengths fit, since the whole does.
+    let header = |kind: &[u8; 4], content: &[u8]| [(content.len() as u32).to_le_bytes(), *kind].concat();
+    let mut head = [*b"glTF", 2u32.to_le_bytes(), length.to_le_bytes()].concat();
+    head.extend(header(b"JSON", &json));
+    head.append(&mut json);
+    if !binary.is_empty() {
+        head.extend(header(b"BIN\0", &binary));
     }
+    let mut file = binary;
+    file.reserve_exact(head.len());
+    file.splice(0..0, head);
     Ok(file)
 }

@@ -107,7 +107,8 @@ pub(super) fn by_blocks(
 pub(super) fn reached(
     (block, rows, columns): ([u32; 2], RangeInclusive<usize>, RangeInclusive<usize>),
 ) -> ([u32; 2], Extent) {
-    let at = |row: &usize, column: &usize| [block[0] << PARTS_BITS | *column as u32, block[1] << PARTS_BITS | *row as u32];
+    let at =
+        |row: &usize, column: &usize| [block[0] << PARTS_BITS | *column as u32, block[1] << PARTS_BITS | *row as u32];
     (block, Extent { low: at(rows.start(), columns.start()), high: at(rows.end(), columns.end()) })
 }
 

@@ -16,8 +16,8 @@ pub struct Texture {
     pub width: u32,
     /// Rows, a power of two.
     pub height: u32,
-    /// Red, green and blue of each pixel.
-    pub pixels: Vec<[u8; 3]>,
+    /// Red, green and blue of each pixel; shared with what they were painted for.
+    pub pixels: Arc<Vec<[u8; 3]>>,
     /// Whether the picture repeats beyond 0..1 (else its rim continues).
     pub repeat: bool,
 }

@@ -66,12 +66,6 @@ pub(super) struct Bins {
 }
 
 impl Bins {
-    /// Square bins without anything in them.
-    #[cfg(test)]
-    pub(super) fn empty(columns: usize) -> Self {
-        Self { columns, rows: columns, items: Vec::new(), tiles: vec![Vec::new(); columns * columns] }
-    }
-
     /// Bins instances of a frame's models for a picture of `size` pixels. Meshes are taken in the coarsest level that is
     /// within `lod_error` pixels.
     pub(super) fn new(
@@ -100,7 +94,8 @@ impl Bins {
                 items
             })
             .collect();
-        let items = chunks.concat();
+        let mut items = Vec::with_capacity(chunks.iter().map(Vec::len).sum());
+        chunks.into_iter().for_each(|chunk| items.extend(chunk));
         let mut tiles = vec![Vec::new(); columns * rows];
         for (number, item) in items.iter().enumerate() {
             let [left, top, right, bottom] = item.bounds.map(|edge| edge as usize / SIDE);

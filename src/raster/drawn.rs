@@ -2,22 +2,32 @@
 
 use crate::base::random::hash;
 use crate::frame::{Frame, Instance};
+use std::borrow::Cow;
 
 /// The instances of a frame, then those of its ground's cover.
 #[derive(Clone)]
-pub(super) struct Drawn {
-    /// All of them; their places are their numbers.
-    pub all: Vec<Instance>,
+pub(super) struct Drawn<'a> {
+    /// All of them; their places are their numbers. The frame's own where nothing covers its ground: a million of them are
+    /// not held twice.
+    pub all: Cow<'a, [Instance]>,
     /// How many stand.
     standing: usize,
 }
 
-impl Drawn {
+impl<'a> Drawn<'a> {
     /// Those of a frame.
-    pub(super) fn of(frame: &Frame) -> Self {
-        let cover = frame.ground.iter().flat_map(|ground| &ground.cover);
-        let all = frame.instances.iter().chain(cover).copied().collect();
+    pub(super) fn of(frame: &'a Frame) -> Self {
+        let cover = frame.ground.as_ref().map_or(&[][..], |ground| &ground.cover);
+        let all = match cover {
+            [] => Cow::Borrowed(frame.instances.as_slice()),
+            _ => Cow::Owned([frame.instances.as_slice(), cover].concat()),
+        };
         Self { all, standing: frame.standing().len() }
+    }
+
+    /// The same for longer than the frame.
+    pub(super) fn kept(&self) -> Drawn<'static> {
+        Drawn { all: Cow::Owned(self.all.to_vec()), standing: self.standing }
     }
 
     /// Those that stand.
@@ -55,10 +65,10 @@ mod tests {
             let leaves = standing.iter().chain(fallen).map(|leaf| one(9, Some(*leaf)));
             let all: Vec<Instance> =
                 [one(0, None)].into_iter().chain(leaves).chain([one(1, None), one(2, None)]).collect();
-            Drawn { all, standing: 1 + standing.len() }
+            Drawn { all: all.into(), standing: 1 + standing.len() }
         };
         let known =
-            |drawn: &Drawn| -> Vec<u64> { (0..drawn.all.len() as u32).map(|number| drawn.salt(number)).collect() };
+            |drawn: &Drawn<'_>| -> Vec<u64> { (0..drawn.all.len() as u32).map(|number| drawn.salt(number)).collect() };
         let (many, few) = (known(&with(&[4, 5], &[7, 8, 9])), known(&with(&[5], &[7, 9])));
         // A leaf that hangs is known by the same when it lies.
         assert_eq!(known(&with(&[], &[4, 5, 7, 8, 9])), many);

@@ -51,7 +51,7 @@ struct Season {
 pub(super) struct Last {
     scenery: Scenery,
     season: Season,
-    instances: Arc<Drawn>,
+    instances: Drawn<'static>,
     models: Vec<Model>,
     materials: Vec<Material>,
     meshes: Vec<Arc<ClusteredMesh>>,
@@ -65,7 +65,7 @@ pub(super) struct Last {
 /// What is the same in the next frame.
 pub(super) struct Same<'a> {
     last: &'a Last,
-    instances: &'a Drawn,
+    instances: &'a Drawn<'a>,
     meshes: Vec<bool>,
     materials: Vec<bool>,
 }
@@ -136,7 +136,7 @@ impl Last {
         Self {
             scenery: Scenery::of(frame, &textures),
             season: Season::of(frame, &atmosphere.wood),
-            instances,
+            instances: instances.kept(),
             models: frame.models.clone(),
             materials: frame.materials.clone(),
             meshes,
@@ -152,7 +152,7 @@ impl Last {
     pub(super) fn same<'a>(
         &'a self,
         frame: &Frame,
-        instances: &'a Drawn,
+        instances: &'a Drawn<'a>,
         (meshes, textures): (&[Arc<ClusteredMesh>], &[Arc<MipMap>]),
     ) -> Option<Same<'a>> {
         if !self.scenery.is_same(&Scenery::of(frame, textures)) {

@@ -18,6 +18,8 @@ pub struct Wanted {
     pub radiance: bool,
     /// The shadow on level ground.
     pub ground_shadow: bool,
+    /// That nothing is kept for a next frame.
+    pub is_last: bool,
 }
 
 /// A frame as it was drawn.

@@ -1,6 +1,7 @@
 //! Exposure measured from the picture itself, as a camera's averaging meter does.
 
 use super::Renderer;
+use super::layers::Wanted;
 use crate::base::encoding::{self, linear_values};
 use crate::base::maths::{expf, lnf};
 use crate::frame::{Frame, ToneMap, UNBALANCED};
@@ -35,7 +36,7 @@ pub(super) fn metered(frame: &Frame, renderer: &mut Renderer) -> Frame {
 
 /// The geometric mean of the luminance of a frame's picture.
 fn mean(frame: &Frame, renderer: &mut Renderer) -> f32 {
-    let picture = renderer.draw_apart(frame);
+    let picture = renderer.draw_apart(frame, Wanted::default()).picture;
     let linear = linear_values();
     let luminance = |pixel: &[u8; 4]| encoding::luminance([0, 1, 2].map(|k| linear[usize::from(pixel[k])]));
     // The darkest code but one bounds what black counts for.

@@ -76,7 +76,7 @@ pub use tone::developed;
 struct Shared<'a> {
     frame: &'a Frame,
     /// What is drawn: the frame's instances, then the ground's.
-    instances: Arc<Drawn>,
+    instances: &'a Drawn<'a>,
     meshes: Vec<Arc<ClusteredMesh>>,
     textures: Vec<Arc<MipMap>>,
     atmosphere: Atmosphere,
@@ -136,22 +136,23 @@ impl Renderer {
         let view = frame.view;
         let meshes = self.meshes(frame);
         let projection = Projection::camera(&frame.camera, view.width, view.height);
-        let instances = Arc::new(Drawn::of(frame));
+        let instances = Drawn::of(frame);
         let lod_error = if view.wireframe.is_some() { 0.0 } else { view.lod_error };
         let bins = Bins::new(frame, &instances.all, &meshes, &projection, [view.width, view.height], lod_error);
         let textures = self.textures(frame, &halvings(frame, &meshes, &bins));
         let atmosphere = Atmosphere::new(frame, &textures);
         let tone = Tone::new(&view);
         // Tiles that hold more than their colours are not kept; lines tell the instances of the ground by their numbers.
-        let is_kept = !wanted.sites && !wanted.radiance && view.wireframe.is_none();
-        let last = self.last.take().filter(|_| is_kept);
+        let may_be_kept = !wanted.sites && !wanted.radiance && view.wireframe.is_none();
+        let is_kept = may_be_kept && !wanted.is_last;
+        let last = if may_be_kept { self.last.take() } else { None };
         let same = last.as_ref().and_then(|last| last.same(frame, &instances, (&meshes, &textures)));
         let canopy = same.as_ref().and_then(|same| same.canopy(frame));
         let canopy = canopy.unwrap_or_else(|| Canopy::new(frame, &meshes, &textures, &atmosphere).map(Arc::new));
-        let shadow = ShadowMap::new(frame, &meshes, same.as_ref()).map(Arc::new);
+        let shadow = ShadowMap::new(frame, &meshes, same.as_ref(), is_kept).map(Arc::new);
         let shared = Shared {
             frame,
-            instances: instances.clone(),
+            instances: &instances,
             meshes,
             textures,
             atmosphere,

@@ -2,10 +2,10 @@
 
 use super::cluster::ClusteredMesh;
 use super::last::Last;
+use super::layers::{Drawing, Wanted};
 use super::of_plain_numbers;
 use super::texture::{Codes, MipMap};
 use crate::base::mesh::Mesh;
-use crate::base::picture::Picture;
 use crate::frame::{Frame, Texture};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -59,11 +59,11 @@ impl<From: Send + Sync, Made: Send + Sync> Shelf<From, Made> {
 impl Renderer {
     /// Draws a frame that is none of the run's: what is kept of the last of those stays.
     #[must_use]
-    pub fn draw_apart(&mut self, frame: &Frame) -> Picture {
+    pub fn draw_apart(&mut self, frame: &Frame, wanted: Wanted) -> Drawing {
         let last = self.last.take();
-        let picture = self.draw(frame).0;
+        let drawing = self.draw_wanted(frame, Wanted { is_last: true, ..wanted });
         self.last = last;
-        picture
+        drawing
     }
 
     /// The meshes of a frame, cut into clusters.

@@ -35,7 +35,9 @@ const GOLDEN_ANGLE: f32 = 2.399_963;
 pub(super) struct ShadowMap {
     projection: Projection,
     size: usize,
-    bins: Bins,
+    /// What each tile holds, where the map may serve the next frame, and how many tiles are in a row.
+    bins: Option<Bins>,
+    columns: usize,
     /// The tiles, row by row; empty where nothing stands.
     tiles: Vec<Arc<[f32]>>,
     /// The largest nearness in each block of texels, row by row: where it is below a point's, nothing shades the point.
@@ -47,7 +49,12 @@ pub(super) struct ShadowMap {
 impl ShadowMap {
     /// Draws the map, but for tiles that are the same in the map of the last frame; `None` without sun, without instances or with a
     /// size of 0.
-    pub(super) fn new(frame: &Frame, meshes: &[Arc<ClusteredMesh>], same: Option<&Same>) -> Option<Self> {
+    pub(super) fn new(
+        frame: &Frame,
+        meshes: &[Arc<ClusteredMesh>],
+        same: Option<&Same>,
+        is_kept: bool,
+    ) -> Option<Self> {
         let size = frame.view.shadow_size as usize;
         let dark = frame.sun.irradiance.iter().all(|&e| e <= 0.0) || frame.sun.direction.y <= 0.0;
         if size == 0 || dark {
@@ -60,7 +67,9 @@ impl ShadowMap {
         let last = last.filter(|(_, map)| map.size == size && map.projection == projection);
         let rooms = Rooms::new(|| (Nearest::<1>::new(), Scratch::default()));
         let tile = |number: usize| {
-            let known = last.filter(|(same, map)| same.is_shadow_tile([&bins, &map.bins], number));
+            let known = last.filter(|(same, map)| {
+                map.bins.as_ref().is_some_and(|known| same.is_shadow_tile([&bins, known], number))
+            });
             if let Some((_, map)) = known {
                 return map.tiles[number].clone();
             }
@@ -75,7 +84,8 @@ impl ShadowMap {
         };
         let tiles: Vec<Arc<[f32]>> = (0..bins.rows * bins.columns).into_par_iter().with_max_len(1).map(tile).collect();
         let nearest_in_blocks = nearest_in_blocks(&tiles, bins.columns);
-        Some(Self { projection, size, bins, tiles, nearest_in_blocks, turns: turns() })
+        let (columns, bins) = (bins.columns, is_kept.then_some(bins));
+        Some(Self { projection, size, bins, columns, tiles, nearest_in_blocks, turns: turns() })
     }
 
     /// The largest nearness, in either map, of what is not the same in each tile of another map of the same places; none where the
@@ -152,24 +162,24 @@ impl ShadowMap {
             (is_within && first == last).then_some(first)
         };
         let (column, row) = (tiles(centre[0])?, tiles(centre[1])?);
-        Some(self.tiles[row * self.bins.columns + column].first_chunk())
+        Some(self.tiles[row * self.columns + column].first_chunk())
     }
 
     /// Notes the tiles within `reach` texels of a place; beside the map, those at its rim.
     #[inline(always)]
     fn note(&self, [x, y]: [f32; 2], reach: f32, nearness: f32, reads: &mut Reads) {
-        let tile = |place: f32| ((place / SIDE as f32) as i32).clamp(0, self.bins.columns as i32 - 1) as usize;
+        let tile = |place: f32| ((place / SIDE as f32) as i32).clamp(0, self.columns as i32 - 1) as usize;
         let (left, right) = (tile(x - reach), tile(x + reach));
         for row in tile(y - reach)..=tile(y + reach) {
             for column in left..=right {
-                reads.note_shadow(row * self.bins.columns + column, nearness);
+                reads.note_shadow(row * self.columns + column, nearness);
             }
         }
     }
 
     /// Whether something nearer to the sun than `nearness` lies within `reach` texels of a place.
     fn may_be_shaded(&self, [x, y]: [f32; 2], reach: f32, nearness: f32) -> bool {
-        let width = self.bins.columns * BLOCKS;
+        let width = self.columns * BLOCKS;
         let block = |place: f32| ((place / BLOCK as f32) as i32).clamp(0, width as i32 - 1) as usize;
         let (columns, rows) = (block(x - reach)..=block(x + reach), block(y - reach)..=block(y + reach));
         rows.into_iter()
@@ -185,7 +195,7 @@ impl ShadowMap {
         if x >= self.size || y >= self.size {
             return f32::MIN;
         }
-        let tile = &self.tiles[y / SIDE * self.bins.columns + x / SIDE];
+        let tile = &self.tiles[y / SIDE * self.columns + x / SIDE];
         tile.get(y % SIDE * SIDE + x % SIDE).copied().unwrap_or(f32::MIN)
     }
 }
@@ -285,7 +295,8 @@ mod tests {
         let map = ShadowMap {
             projection: Projection::parallel(-Vec3::y(), Vec3::zeros(), 1.0, 2 * SIDE as u32),
             size: 2 * SIDE,
-            bins: Bins::empty(2),
+            bins: None,
+            columns: 2,
             tiles: tiles.collect(),
             nearest_in_blocks: Vec::new(),
             turns: turns(),

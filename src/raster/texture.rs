@@ -264,7 +264,7 @@ mod tests {
 
     fn checks() -> Texture {
         let pixels = (0..16).map(|i| if (i % 4 + i / 4) % 2 == 0 { [255; 3] } else { [0; 3] }).collect();
-        Texture { name: "checks".into(), width: 4, height: 4, pixels, repeat: true }
+        Texture { name: "checks".into(), width: 4, height: 4, pixels: Arc::new(pixels), repeat: true }
     }
 
     #[test]
@@ -287,7 +287,7 @@ mod tests {
         for (y, x) in (0..32u8).flat_map(|y| (0..64u8).map(move |x| (y, x))) {
             pixels.push([x * 4, y * 8, 255 - x * 3]);
         }
-        let texture = Texture { name: "slope".into(), width: 64, height: 32, pixels, repeat: false };
+        let texture = Texture { name: "slope".into(), width: 64, height: 32, pixels: Arc::new(pixels), repeat: false };
         let (whole, coarse) = (MipMap::new(&texture, Codes::Colour, 0), MipMap::new(&texture, Codes::Colour, 2));
         let footprint = 5.0 / side(&texture);
         assert_eq!(halvings(&texture, footprint), 2);

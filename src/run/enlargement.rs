@@ -16,11 +16,10 @@ pub fn drawn(renderer: &mut Renderer, frame: &Frame, times: u32, wanted: Wanted)
     if times <= 1 {
         return renderer.draw_wanted(frame, wanted);
     }
-    let own_size = Wanted { radiance: false, ..wanted };
-    let (sites, ground_shadow) = if own_size == Wanted::default() {
+    let (sites, ground_shadow) = if !wanted.sites && !wanted.ground_shadow {
         (Vec::new(), Vec::new())
     } else {
-        let drawing = renderer.draw_wanted(frame, own_size);
+        let drawing = renderer.draw_apart(frame, Wanted { radiance: false, ..wanted });
         (drawing.sites, drawing.ground_shadow)
     };
     let mut large = frame.clone();
@@ -29,7 +28,8 @@ pub fn drawn(renderer: &mut Renderer, frame: &Frame, times: u32, wanted: Wanted)
     if let Some(lines) = &mut large.view.wireframe {
         lines.width *= times as f32;
     }
-    let drawing = renderer.draw_wanted(&large, Wanted { radiance: wanted.radiance, ..Wanted::default() });
+    let drawing = renderer
+        .draw_wanted(&large, Wanted { radiance: wanted.radiance, is_last: wanted.is_last, ..Wanted::default() });
     let mut figures = drawing.figures;
     if let Some(error) = &mut figures.error {
         error.value /= f64::from(times);

@@ -116,7 +116,8 @@ fn chart(leaves: Leaves) -> Option<Chart> {
 fn charted(chart: Chart, blade: &Blade) -> Painted {
     let picture = leaf::chart(chart, blade);
     let reflected: Vec<[u8; 3]> = picture.pixels.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
-    Painted { size: picture.width, transmitted: vec![[0; 3]; reflected.len()], reflected, ..Painted::default() }
+    let transmitted = Arc::new(vec![[0; 3]; reflected.len()]);
+    Painted { size: picture.width, transmitted, reflected: Arc::new(reflected), ..Painted::default() }
 }
 
 /// Makes what leaves of one species wear.

@@ -66,6 +66,7 @@ impl Run<'_> {
                 sites: !self.names.layers(index).is_empty(),
                 radiance: output.bits == 16 || output.exr,
                 ground_shadow: self.names.ground_shadow(index).is_some(),
+                is_last: self.is_last(index),
             };
             let (drawing, glb) = rayon::join(
                 || {
@@ -111,6 +112,13 @@ impl Run<'_> {
         Ok(Made { picture, files })
     }
 
+    /// Whether what is drawn of a frame serves no other: it is the last, or one of many cells, which are unlike.
+    fn is_last(&self, index: i64) -> bool {
+        let drawn =
+            |cell: &Prepared| cell.plan.frames.iter().rfind(|frame| frame.same_as.is_none()).map(|frame| frame.index);
+        self.cells.len() > 1 || self.cells.first().and_then(drawn) == Some(index)
+    }
+
     /// The files of a frame's light and of its shadow on the ground.
     fn beside(&self, index: i64, frame: &Frame, drawing: &Drawing) -> Result<FrameFiles, ExportError> {
         let (width, height) = (frame.view.width, frame.view.height);
@@ -149,7 +157,7 @@ fn rasterised(
         let before = stopwatch::processor_seconds();
         let mut drawing = enlargement::drawn(renderer, frame, enlarged, wanted);
         if let Some(inset) = inset {
-            picture_inset::place(&mut drawing.picture, &renderer.draw_apart(inset));
+            picture_inset::place(&mut drawing.picture, &renderer.draw_apart(inset, Wanted::default()).picture);
         }
         let figures = std::mem::take(&mut drawing.figures);
         Ok((drawing, figures.with("cpu_seconds", stopwatch::processor_seconds() - before)))
