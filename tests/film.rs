@@ -174,6 +174,67 @@ fn each_frame_of_a_film_is_the_frame_by_itself() {
     }
 }
 
+/// The frame with other surroundings.
+fn kinds() -> Vec<(&'static str, Frame)> {
+    let first = frame();
+    let with = |change: fn(&mut Frame)| {
+        let mut frame = first.clone();
+        change(&mut frame);
+        frame
+    };
+    let uneven = |frame: &mut Frame| {
+        let slope = |x: f32, z: f32| Vec3::new(x, 0.12 * x - 0.02 * z, z);
+        let corners = [slope(-30.0, 30.0), slope(30.0, 30.0), slope(30.0, -30.0), slope(-30.0, -30.0)];
+        let up = Vec3::new(-0.12, 1.0, 0.02).normalize();
+        let hill = Mesh { positions: corners.to_vec(), normals: vec![up; 4], ..square() };
+        frame.meshes.push(hill.into());
+        frame.materials.push(Material { is_ground: true, ..Material::matte("hill", [0.3; 3]) });
+        frame.models.push(Model { name: "hill".into(), parts: vec![Part { mesh: 1, material: 4 }] });
+        let ground = frame.ground.as_mut().unwrap();
+        ground.is_uneven = true;
+        ground.cover.push(Instance { model: 4, transform: at(0.0, 0.0, 0.0), leaf: None });
+    };
+    vec![
+        ("uneven ground", with(uneven)),
+        ("a plain background", with(|f| (f.ground, f.background) = (None, Background::Plain([0.4, 0.5, 0.6])))),
+        ("a transparent background", with(|f| (f.ground, f.background) = (None, Background::Transparent))),
+        ("no shadow map", with(|f| f.view.shadow_size = 0)),
+        ("light of its own", with(|f| f.view.metered = true)),
+    ]
+}
+
+#[test]
+fn each_frame_of_a_film_with_other_surroundings_is_the_frame_by_itself() {
+    for (kind, first) in kinds() {
+        let mut renderer = Renderer::default();
+        let alone = draw(&first).0;
+        let mut seen = 0;
+        // what changes from day to day
+        for (what, other) in others(&first).into_iter().filter(|(what, _)| what.contains("lea") || what.contains("gra"))
+        {
+            let expected = draw(&other).0;
+            seen += usize::from(expected != alone);
+            for (frame, expected) in [(&first, &alone), (&other, &expected)] {
+                assert!(renderer.draw(frame).0 == *expected, "{kind}: {what}");
+            }
+        }
+        assert!(seen > 3, "{kind}: {seen}");
+    }
+}
+
+#[test]
+fn the_last_frame_of_a_run_reads_what_is_kept_and_leaves_nothing() {
+    let first = frame();
+    let mut dropped = first.clone();
+    dropped.instances.remove(5);
+    let mut renderer = Renderer::default();
+    let kept = |figures: &leafseason::base::figures::Figures| figures.values["tiles_kept"].as_u64().unwrap_or(0);
+    let _ = renderer.draw(&first);
+    let last = renderer.draw_wanted(&dropped, Wanted { is_last: true, ..Wanted::default() });
+    assert!(kept(&last.figures) > 0 && last.picture == draw(&dropped).0);
+    assert_eq!(kept(&renderer.draw(&dropped).1), 0);
+}
+
 #[test]
 fn tiles_are_kept_where_nothing_that_they_show_has_changed() {
     let first = frame();
