@@ -1,4 +1,4 @@
-//! A file of daily weather: comma-separated values with a header. Every fault that can be found is found.
+//! A file of daily weather: separated values with a header. Every fault that can be found is found.
 
 use crate::base::calendar::Date;
 use std::ops::Range;
@@ -14,6 +14,9 @@ const TEMPERATURES: std::ops::RangeInclusive<f64> = -90.0..=60.0;
 const HOURS: std::ops::RangeInclusive<f64> = 0.0..=24.0;
 /// Relative humidity in percent; a wet sensor shows a little more than 100, which counts as 100.
 const PERCENTS: std::ops::RangeInclusive<f64> = 0.0..=105.0;
+/// What separates fields: the first of these that the header has. Spreadsheets write semicolons or tabs where numbers have
+/// commas for points.
+const SEPARATORS: [char; 3] = [';', '\t', ','];
 
 /// What was read.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,7 +88,7 @@ fn lines(text: &str) -> impl Iterator<Item = Range<usize>> {
 }
 
 /// The fields of a line, without the blanks and quotes around them.
-fn fields(text: &str, line: Range<usize>) -> Vec<Range<usize>> {
+fn fields(text: &str, line: Range<usize>, separator: char) -> Vec<Range<usize>> {
     let mut from = line.start;
     let of = |field: &str| {
         let start = from;
@@ -94,11 +97,12 @@ fn fields(text: &str, line: Range<usize>) -> Vec<Range<usize>> {
         let lead = field.find(inner).unwrap_or(0);
         start + lead..start + lead + inner.len()
     };
-    text[line].split(',').map(of).collect()
+    text[line].split(separator).map(of).collect()
 }
 
 /// Numbers of the columns that are read.
 struct Columns {
+    separator: char,
     count: usize,
     date: usize,
     temperature: Temperature,
@@ -113,7 +117,8 @@ enum Temperature {
 
 impl Columns {
     fn of(text: &str, header: Range<usize>) -> Result<Self, SeriesFault> {
-        let names = fields(text, header.clone());
+        let separator = SEPARATORS.into_iter().find(|&one| text[header.clone()].contains(one)).unwrap_or(',');
+        let names = fields(text, header.clone(), separator);
         let find = |name: &str| names.iter().position(|field| text[field.clone()].eq_ignore_ascii_case(name));
         let miss = |what: &str| SeriesFault {
             span: header.clone(),
@@ -126,7 +131,8 @@ impl Columns {
             _ => return Err(miss("`tmean_c`, nor both `tmin_c` and `tmax_c`")),
         };
         let date = find("date").ok_or_else(|| miss("`date`"))?;
-        Ok(Self { count: names.len(), date, temperature, humidity: find("rh_pct"), day_length: find("daylength_h") })
+        let (count, humidity, day_length) = (names.len(), find("rh_pct"), find("daylength_h"));
+        Ok(Self { separator, count, date, temperature, humidity, day_length })
     }
 }
 
@@ -141,10 +147,10 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn line(&mut self, line: Range<usize>) {
-        let fields = fields(self.text, line.clone());
+        let fields = fields(self.text, line.clone(), self.columns.separator);
         if fields.len() != self.columns.count {
             let what = format!("this line has {} fields, the first has {}", fields.len(), self.columns.count);
-            return self.fault(line, what, "write a field for each column, separated by commas");
+            return self.fault(line, what, "write a field for each column, separated as in the first line");
         }
         let date = self.date(&fields[self.columns.date]);
         let record = self.record(&fields);
@@ -180,7 +186,10 @@ impl Reader<'_> {
     }
 
     fn number(&mut self, field: &Range<usize>, range: &std::ops::RangeInclusive<f64>, unit: &str) -> Option<f64> {
-        let number = self.text[field.clone()].parse().ok().filter(|number: &f64| range.contains(number));
+        let written = &self.text[field.clone()];
+        let with_point = written.replace(',', ".");
+        let number = if self.columns.separator == ',' { written } else { &with_point };
+        let number = number.parse().ok().filter(|number: &f64| range.contains(number));
         if number.is_none() {
             let what = format!("this is not a number from {} to {} {unit}", range.start(), range.end());
             self.fault(field.clone(), what, "give every day's measurement, or leave the day's line out");
@@ -255,6 +264,16 @@ mod tests {
         assert_eq!(series.days[1], Record { temperature: 1.5, humidity: Some(1.0), day_length: Some(9.2) });
         let bare = read("tmax_c,tmin_c,date\n4,2,2017-01-01").unwrap();
         assert_eq!(bare.days[0], Record { temperature: 3.0, humidity: None, day_length: None });
+    }
+
+    #[test]
+    fn spreadsheets_may_write_semicolons_or_tabs_with_commas_for_points() {
+        let with_commas = read("date,tmean_c,rh_pct\n2017-01-01,-0.5,80.5\n").unwrap();
+        assert_eq!(read("date;tmean_c;rh_pct\n2017-01-01;-0,5;80,5\n").unwrap(), with_commas);
+        assert_eq!(read("date\ttmean_c\trh_pct\r\n2017-01-01\t-0.5\t80.5\r\n").unwrap(), with_commas);
+        let found = read("date;tmean_c\n2017-01-01;1,2,3\n2017-01-02;1;2\n").unwrap_err();
+        let messages: Vec<&str> = found.iter().map(|fault| fault.message.as_str()).collect();
+        assert_eq!(messages, ["this is not a number from -90 to 60 °C", "this line has 3 fields, the first has 2"]);
     }
 
     #[test]
