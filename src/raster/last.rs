@@ -1,6 +1,6 @@
 //! The frame that was drawn last, and what of it stands in the next: tiles of the picture and of the shadow map that show the
 //! same things in the same light, the light in the crowns. Whatever is kept was made of the same numbers, so that a frame of a
-//! run has the same bytes as by itself.
+//! run has the same bytes as by itself. Where only the camera moves the light stays: the map of shadows and that in the crowns.
 
 use super::bins::{Bins, Item};
 use super::canopy::Canopy;
@@ -68,6 +68,8 @@ pub(super) struct Same<'a> {
     instances: &'a Drawn<'a>,
     meshes: Vec<bool>,
     materials: Vec<bool>,
+    /// Whether the picture is taken from the same place: the light of a scene does not ask for it.
+    is_same_camera: bool,
 }
 
 /// What of the light is not the same in the next frame.
@@ -108,10 +110,10 @@ impl Scenery {
         Self { camera: *camera, sun: *sun, sky: *sky, background: *background, view: *view, ground, textures }
     }
 
+    /// Whether all but the camera is the same.
     fn is_same(&self, other: &Self) -> bool {
         let textures = || self.textures.iter().zip(&other.textures);
-        self.camera == other.camera
-            && self.sun == other.sun
+        self.sun == other.sun
             && self.sky == other.sky
             && self.background == other.background
             && self.view == other.view
@@ -155,7 +157,8 @@ impl Last {
         instances: &'a Drawn<'a>,
         (meshes, textures): (&[Arc<ClusteredMesh>], &[Arc<MipMap>]),
     ) -> Option<Same<'a>> {
-        if !self.scenery.is_same(&Scenery::of(frame, textures)) {
+        let scenery = Scenery::of(frame, textures);
+        if !self.scenery.is_same(&scenery) {
             return None;
         }
         let is_read = |number: u32| {
@@ -171,6 +174,7 @@ impl Last {
             instances,
             meshes: self.meshes.iter().zip(meshes).map(|(then, now)| Arc::ptr_eq(then, now)).collect(),
             materials: self.materials.iter().zip(&frame.materials).map(material).collect(),
+            is_same_camera: self.scenery.camera == scenery.camera,
         })
     }
 }
@@ -221,8 +225,9 @@ impl Same<'_> {
         shared: &'b Shared<'_>,
         bins: &'b Bins,
     ) -> impl Fn(usize) -> Option<Arc<DrawnTile>> + Sync + 'b {
-        let changed = Changed::of(self, shared);
+        let changed = self.is_same_camera.then(|| Changed::of(self, shared));
         move |number| {
+            let changed = changed.as_ref()?;
             let tile = &self.last.tiles[number];
             let is_same = |now: &Item, then: &Item| self.item(now, then, tile.reads.salt);
             (changed.leaves(&tile.reads) && bins.holds_as(&self.last.bins, number, is_same)).then(|| tile.clone())
