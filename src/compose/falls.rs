@@ -79,14 +79,14 @@ impl Fall {
 /// The ways of leaves that have fallen, from frame to frame: a way follows from the leaf alone, so it is found once in a run.
 #[derive(Clone, Debug, Default)]
 pub struct Ways {
-    known: BTreeMap<(usize, u64), (Dropped, Fall)>,
+    known: BTreeMap<Key, (Dropped, Fall)>,
     /// Ways found so far, each time that one was.
     pub found: u64,
 }
 
 impl Ways {
     /// Finds the ways of leaves that are not known yet; those that are not remembered are given back.
-    fn find(&mut self, finder: &Finder<'_>, dropped: &[Dropped]) -> BTreeMap<(usize, u64), Fall> {
+    fn find(&mut self, finder: &Finder<'_>, dropped: &[Dropped]) -> BTreeMap<Key, Fall> {
         let new: Vec<&Dropped> = dropped.par_iter().filter(|one| self.known(one).is_none()).collect();
         let found: Vec<Option<Fall>> = new.par_iter().map(|one| finder.find(one)).collect();
         self.found += new.len() as u64;
@@ -106,8 +106,11 @@ impl Ways {
     }
 }
 
-fn key(one: &Dropped) -> (usize, u64) {
-    (one.site, one.year)
+/// A site, a year and the bits of a day: one that holds its dead leaves until spring loses two in one year.
+type Key = (usize, u64, u64);
+
+fn key(one: &Dropped) -> Key {
+    (one.site, one.year, one.day.to_bits())
 }
 
 /// What finds the way of a leaf.
@@ -296,4 +299,16 @@ impl<'a> Sites<'a> {
 /// The level part of a point: x and z.
 pub(super) fn level(point: DVec3) -> DVec2 {
     DVec2::new(point.x, point.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_falls_from_one_site_in_a_year_are_told_apart() {
+        let spring = Dropped { site: 3, year: 2024, day: 90.25, state: 4 };
+        let autumn = Dropped { day: 301.5, ..spring };
+        assert_ne!(key(&spring), key(&autumn));
+    }
 }

@@ -158,6 +158,10 @@ impl Litter {
         });
         let mut all = vec![NOWHERE; landed.len()];
         order.iter().zip(&leaves).for_each(|(&place, leaf)| all[place as usize] = leaf.laid);
+        // litter that is laid once leaves no field behind
+        if self.kept.is_empty() {
+            self.field = Cells::default();
+        }
         self.kept = leaves;
         all
     }
