@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{render, small};
+use common::{render, small, small_in};
 use leafseason::plan::Reason;
 use leafseason::report::Report;
 use leafseason::run::frame_list::FrameList;
@@ -177,6 +177,18 @@ fn the_way_of_a_leaf_is_found_once_in_a_run() {
     let stage = report.stages.iter().find(|stage| stage.name == "fall").unwrap();
     assert!(stage.runs > 10 && last.lying > 100);
     // every frame is counted and drawn; each leaf that fell in any of them is looked into once
+    assert_eq!(stage.figures["ways"].as_u64(), Some(last.grown - last.attached));
+}
+
+#[test]
+fn a_twig_that_loses_two_leaves_in_a_year_has_a_way_for_each() {
+    // an oak that holds dead leaves until spring, and sheds the new ones from autumn on
+    let year = "time={from=\"2023-01-10\",to=\"2023-12-30\",step=20.0}";
+    let oak = ["species=\"english-oak\"", "output.png=false", "fall.days=1e3", year];
+    let scene = small_in("climate = { latitude = 48.0 }", &oak);
+    let (_, report) = rendered(&scene, Options::default());
+    let stage = report.stages.iter().find(|stage| stage.name == "fall").unwrap();
+    let last = report.frames.last().unwrap().fall.unwrap();
     assert_eq!(stage.figures["ways"].as_u64(), Some(last.grown - last.attached));
 }
 

@@ -79,7 +79,7 @@ impl Fall {
 /// The ways of leaves that have fallen, from frame to frame: a way follows from the leaf alone, so it is found once in a run.
 #[derive(Clone, Debug, Default)]
 pub struct Ways {
-    known: BTreeMap<Key, (Dropped, Fall)>,
+    known: BTreeMap<Key, Fall>,
     /// Ways found so far, each time that one was.
     pub found: u64,
 }
@@ -93,7 +93,7 @@ impl Ways {
         let mut others = BTreeMap::new();
         for (one, fall) in new.into_iter().zip(found).filter_map(|(one, fall)| Some((one, fall?))) {
             if self.known.len() < MOST_KNOWN {
-                self.known.insert(key(one), (*one, fall));
+                self.known.insert(key(one), fall);
             } else {
                 others.insert(key(one), fall);
             }
@@ -102,7 +102,7 @@ impl Ways {
     }
 
     fn known(&self, one: &Dropped) -> Option<&Fall> {
-        self.known.get(&key(one)).filter(|(of, _)| of == one).map(|(_, fall)| fall)
+        self.known.get(&key(one)).filter(|fall| fall.garment.state == one.state)
     }
 }
 

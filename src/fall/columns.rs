@@ -116,8 +116,7 @@ impl Block<'_> {
     }
 }
 
-/// The cells of one field after another: fields of like sizes, taken from the system and given back each day, would leave holes
-/// that grow.
+/// The cells of one field after another: taken anew from the system each day, they cost a tenth of a film's laying.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cells(Vec<u16>);
 

@@ -207,8 +207,7 @@ fn laid_in(
         })
     };
     columns.each(&schedule, false, lay, |rank, new| {
-        let is_told = leaves[rank].form.1 && window.owns(rank) && changes.before[rank].is_none();
-        if is_told || !known[rank] {
+        if !known[rank] || (window.owns(rank) && changes.before[rank].is_none()) {
             found.push((rank, new));
         }
     });

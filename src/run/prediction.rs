@@ -44,7 +44,10 @@ pub fn allow(cells: &[Prepared], (states_frames, enlarged): (usize, u32), limits
     let sites = cells.iter().map(|cell| cell.stand.leaf_ids.len()).sum::<usize>() as f64;
     parts.push(("output", sites * states_frames as f64 * LINE_BYTES));
     cells.iter().for_each(|cell| parts.extend(kept(cell)));
-    parts.push(("fall", cells.iter().map(field).fold(0.0, f64::max)));
+    // the cells of one picture are laid one after another, those of a film keep their fields from frame to frame
+    let fields = cells.iter().map(field);
+    let are_kept = first.plan.frames.len() > 1;
+    parts.push(("fall", if are_kept { fields.sum() } else { fields.fold(0.0, f64::max) }));
     let wanted = parts.iter().map(|(_, bytes)| bytes).sum();
     // the table that asks for most is the one to mend
     let table = parts.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or("image", |part| part.0);
@@ -128,7 +131,7 @@ fn kept(cell: &Prepared) -> Parts {
     parts
 }
 
-/// What the field of heights takes while a cell's litter is laid; it is not kept.
+/// What the field of heights takes in which a cell's litter is laid.
 fn field(cell: &Prepared) -> f64 {
     let leaves = cell.stand.leaf_ids.len() as f64;
     if cell.plan.has("fall") { crate::fall::most_field_bytes(leaves) } else { 0.0 }

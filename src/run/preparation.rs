@@ -38,6 +38,7 @@ pub struct Prepared {
     pub seasons: Seasons,
     /// The states of frames that are still to be drawn.
     kept: BTreeMap<i64, (LeafStates, Figures)>,
+    /// What those took when all were counted, bytes.
     kept_bytes: usize,
     /// The ways of the leaves that have fallen, found once for all frames.
     pub ways: Ways,

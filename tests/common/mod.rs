@@ -11,7 +11,6 @@ use std::fs;
 const SMALL: &str = r#"
 species = "red-maple"
 seed = 11
-climate = { temperature = 9.0, humidity = 0.7 }
 tree = { age = 5 }
 leaf = { vertices = 80 }
 deform = { steps = 60 }
@@ -23,9 +22,14 @@ output = { gltf = "nodes" }
 
 /// The small scene with assignments above it, as `--set` takes them.
 pub fn small(sets: &[&str]) -> Scene {
+    small_in("climate = { temperature = 9.0, humidity = 0.7 }", sets)
+}
+
+/// The small scene in another climate: the line of the scene that tells it.
+pub fn small_in(climate: &str, sets: &[&str]) -> Scene {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("small.toml");
-    fs::write(&path, SMALL).unwrap();
+    fs::write(&path, format!("{SMALL}{climate}\n")).unwrap();
     let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
     scene::read(&path, &sets, &[], &Limits::default()).unwrap_or_else(|fault| panic!("{sets:?}: {fault}")).0
 }
