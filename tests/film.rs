@@ -4,8 +4,8 @@ use leafseason::base::figures::Figures;
 use leafseason::base::mesh::Mesh;
 use leafseason::base::vector::{Affine, Mat3, Vec2, Vec3};
 use leafseason::frame::{
-    Background, Camera, Frame, Ground, Instance, Material, Model, Part, Sky, Sun, Texture, ToneMap, UNBALANCED, View,
-    Wood,
+    Background, Camera, Frame, Ground, GroundPart, Instance, Material, Model, Part, Sky, Sun, Texture, ToneMap,
+    UNBALANCED, View, Wood,
 };
 use leafseason::raster::{Renderer, Wanted, draw};
 use std::sync::Arc;
@@ -53,7 +53,8 @@ fn frame() -> Frame {
         ..Material::matte(name, [0.3, 0.4, 0.1])
     };
     let red = Material { colour: [0.5, 0.1, 0.1], ..leaf("red") };
-    let materials = vec![leaf("green"), red, leaf("litter"), leaf("grass")];
+    let grass = Material { ground: GroundPart::Blades, ..leaf("grass") };
+    let materials = vec![leaf("green"), red, leaf("litter"), grass];
     let model = |material: u32| Model { name: format!("model_{material}"), parts: vec![Part { mesh: 0, material }] };
     let hanging = |number: usize| {
         let [x, y] = place(number);
@@ -196,7 +197,7 @@ fn kinds() -> Vec<(&'static str, Frame)> {
         let up = Vec3::new(-0.12, 1.0, 0.02).normalize();
         let hill = Mesh { positions: corners.to_vec(), normals: vec![up; 4], ..square() };
         frame.meshes.push(hill.into());
-        frame.materials.push(Material { is_ground: true, ..Material::matte("hill", [0.3; 3]) });
+        frame.materials.push(Material { ground: GroundPart::Surface, ..Material::matte("hill", [0.3; 3]) });
         frame.models.push(Model { name: "hill".into(), parts: vec![Part { mesh: 1, material: 4 }] });
         let ground = frame.ground.as_mut().unwrap();
         ground.is_uneven = true;

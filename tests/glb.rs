@@ -5,7 +5,8 @@ use leafseason::base::mesh::Mesh;
 use leafseason::base::vector::{Affine, DVec3, Mat3, Vec2, Vec3, rotated};
 use leafseason::export::{ExportError, Layout, glb};
 use leafseason::frame::{
-    Background, Camera, Frame, Ground, Instance, Material, Model, Part, Sky, Sun, Texture, ToneMap, UNBALANCED, View,
+    Background, Camera, Frame, Ground, GroundPart, Instance, Material, Model, Part, Sky, Sun, Texture, ToneMap,
+    UNBALANCED, View,
 };
 use std::sync::Arc;
 
@@ -46,7 +47,7 @@ fn material(name: &str, reflected: u32, transmitted: Option<u32>, transmission: 
         roughness: 0.6,
         two_sided: transmitted.is_some(),
         unlit: false,
-        is_ground: false,
+        ground: GroundPart::None,
     }
 }
 

@@ -6,7 +6,8 @@ use leafseason::base::mesh::Mesh;
 use leafseason::base::random::{Purpose, Stream};
 use leafseason::base::vector::{Affine, DVec3, Mat3, Vec2, Vec3, rotated};
 use leafseason::frame::{
-    Background, Camera, Frame, Ground, Instance, Material, Model, Part, Sky, Sun, Texture, ToneMap, UNBALANCED, View,
+    Background, Camera, Frame, Ground, GroundPart, Instance, Material, Model, Part, Sky, Sun, Texture, ToneMap,
+    UNBALANCED, View,
 };
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -136,7 +137,7 @@ fn material(name: &str, texture: u32, transmission: f32) -> Material {
         roughness: 0.5,
         two_sided: is_leaf,
         unlit: false,
-        is_ground: false,
+        ground: GroundPart::None,
     }
 }
 

@@ -1,11 +1,12 @@
 //! Flowers of a summer's meadow: heads of daisies and buttercups over the grass before the camera, a few on some of its
 //! patches. They go as the trees turn.
 
-use super::sward::PATCH;
-use crate::base::maths::{cos, sin};
+use super::outlook::Outlook;
+
+use crate::base::maths::{cos, sin, sincos};
 use crate::base::mesh::Mesh;
-use crate::base::random::{Purpose, Stream, hash_unit};
-use crate::base::vector::{Affine, Vec2, Vec3};
+use crate::base::random::{Purpose, Stream, hash, hash_unit};
+use crate::base::vector::{Affine, Mat3, Vec2, Vec3};
 use std::f64::consts::TAU;
 
 /// A kind of flower.
@@ -26,6 +27,10 @@ pub(super) const KINDS: [Kind; 2] = [
     Kind { name: "flower_white", colour: [0.66, 0.65, 0.56], heads: 16, radii: [0.007, 0.012], patches: 0.34 },
     Kind { name: "flower_yellow", colour: [0.62, 0.44, 0.02], heads: 14, radii: [0.006, 0.010], patches: 0.30 },
 ];
+/// How far from the eye heads can be told, metres.
+const REACH: f64 = 40.0;
+/// Side of the squares on which they stand, metres.
+const PATCH: f64 = 2.5;
 /// Corners of a head.
 const CORNERS: u32 = 6;
 
@@ -68,10 +73,20 @@ fn add_head(mesh: &mut Mesh, random: &mut Stream, middle: Vec3, [small, large]: 
     }
 }
 
-/// Those of the meadow's patches on which flowers of a kind stand.
-pub(super) fn places(seed: u64, number: u64, patches: &[Affine]) -> Vec<Affine> {
+/// The squares before a camera on which flowers of a kind stand.
+pub(super) fn places(seed: u64, number: u64, outlook: &Outlook) -> Vec<Affine> {
     let share = KINDS[number as usize % KINDS.len()].patches;
-    patches.iter().filter(|place| lot(seed, number, place) < share).copied().collect()
+    let place = |(column, row): (i64, i64)| {
+        let [x, z] = [column, row].map(|square| (square as f64 + 0.5) * PATCH);
+        let distance = outlook.distance([x, z], PATCH)?;
+        let turn = hash_unit(seed, hash(column as u64, row as u64));
+        let (sine, cosine) = sincos(TAU * f64::from(turn));
+        let (sine, cosine) = (sine as f32, cosine as f32);
+        let linear = Mat3::new(cosine, 0.0, sine, 0.0, 1.0, 0.0, -sine, 0.0, cosine);
+        let place = Affine { linear, translation: Vec3::new(x as f32, 0.0, z as f32) };
+        (distance < REACH && lot(seed, number, &place) < share).then_some(place)
+    };
+    outlook.squares(PATCH, REACH).filter_map(place).collect()
 }
 
 /// Whether the flowers at a place still stand when grass has gone so far into its rest: they go patch by patch.
@@ -96,11 +111,10 @@ mod tests {
             assert_eq!(mesh.check(), Ok(()));
             assert!(mesh.positions.iter().all(|place| (0.05..0.21).contains(&place.y)));
         }
-        let patches: Vec<Affine> = (0..400)
-            .map(|number| Affine { translation: Vec3::new(number as f32 * 2.5, 0.0, 1.25), ..Affine::identity() })
-            .collect();
-        let found = places(1, 0, &patches);
-        assert!((90..190).contains(&found.len()), "{}", found.len());
+        let all_around = Outlook::new([0.0, 1.6, 0.0], [0.0, 0.0, -1.0], std::f64::consts::PI);
+        let found = places(1, 0, &all_around);
+        // A third of some 800 squares.
+        assert!((210..340).contains(&found.len()), "{}", found.len());
         let standing = |dormant: f32| found.iter().filter(|place| stand(place, dormant)).count();
         assert_eq!((standing(0.0), standing(0.33)), (found.len(), 0));
         assert!((1..found.len()).contains(&standing(0.15)));

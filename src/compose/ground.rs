@@ -1,14 +1,12 @@
 //! The texture of a meadow, blades of grass drawn over soil, or of bare soil; wrapping at the rim so that it tiles.
 
 use super::falls;
-use super::flowers;
-use super::sward;
 use super::{Garment, Stand, Stock};
 use crate::base::encoding::SrgbEncoder;
 use crate::base::maths::{cos, mix, sin, smooth_step};
 use crate::base::noise::Fractal;
 use crate::base::random::{Purpose, Stream, hash};
-use crate::frame::{Ground, Instance, Material, Texture, Wood};
+use crate::frame::{Ground, Texture, Wood};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -24,11 +22,11 @@ const BLADES: u64 = 10_000;
 /// dust and damp near the ground take).
 const HAZE: f64 = 18_000.0;
 
-/// The ground with its texture's number and what grows on it, in air of a turbidity.
-pub(super) fn ground(texture: u32, cover: Vec<Instance>, turbidity: f64, is_grass: bool) -> Ground {
+/// The ground with its texture's number, in air of a turbidity.
+pub(super) fn ground(texture: u32, turbidity: f64, is_grass: bool) -> Ground {
     let blades = if is_grass { 1.0 } else { 0.0 };
     let haze = (HAZE / turbidity) as f32;
-    Ground { texture, tile: TILE, haze, wood: None, blades, dormant: 0.0, feet: Vec::new(), is_uneven: false, cover }
+    Ground { texture, tile: TILE, haze, blades, ..Ground::default() }
 }
 
 /// The feet of a stand's trunks, metres.
@@ -59,8 +57,6 @@ impl Stock {
         let mut ground = self.ground.clone()?;
         ground.dormant = self.dormancy(worn);
         ground.wood = ground.wood.map(|wood| Wood { bareness: bareness(worn), ..wood });
-        let (flowers, dormant) = (&self.flowers, ground.dormant);
-        ground.cover.retain(|one| !flowers.contains(&one.model) || flowers::stand(&one.transform, dormant));
         Some(ground)
     }
 
@@ -71,15 +67,6 @@ impl Stock {
             edge.put(&mut textures);
         }
         textures
-    }
-
-    /// The materials, that of grass in its colours of the season.
-    pub(super) fn materials_in_season(&self, worn: &[Option<Garment>]) -> Vec<Material> {
-        let mut materials = self.materials.clone();
-        for grass in materials.iter_mut().filter(|material| material.name == sward::NAME) {
-            grass.colour = sward::tint(self.dormancy(worn));
-        }
-        materials
     }
 }
 

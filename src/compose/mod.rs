@@ -6,6 +6,7 @@
 
 mod bark;
 mod bark_pattern;
+mod blades;
 mod clouds;
 pub mod contact_sheet;
 mod daylight;
@@ -23,6 +24,7 @@ mod meadow;
 mod outlook;
 mod petiole;
 pub mod picture_inset;
+mod rings;
 mod specimen;
 mod stand;
 mod sun_position;
@@ -47,7 +49,7 @@ use crate::base::random::{Purpose, Stream};
 use crate::base::vector::{Affine, Mat3, Vec3};
 use crate::colour::Painted;
 use crate::fall::{Litter, Shape, Stalk};
-use crate::frame::{Frame, Instance, Material, Model, Part, Texture};
+use crate::frame::{Frame, GroundPart, Instance, Material, Model, Part, Texture};
 use crate::scene::{Scene, Species, camera::Subject, ground::Cover, image::Backdrop, image::Leaves};
 use crate::tree::LeafSite;
 use litter::{Lying, Stalks};
@@ -117,8 +119,8 @@ pub struct Stock {
     ground: Option<crate::frame::Ground>,
     /// The wood on the horizon.
     wood_edge: Option<wood_edge::Edge>,
-    /// Numbers of the models of flowers.
-    flowers: BTreeSet<u32>,
+    /// What grows on it before a camera.
+    meadow: Option<meadow::Meadow>,
     /// Whether leaves of each state are green.
     green: Vec<bool>,
     /// Number of the texture of clouds.
@@ -308,7 +310,7 @@ impl Stock {
             roughness: if dry { 0.8 } else { 0.5 },
             two_sided: true,
             unlit: false,
-            is_ground: false,
+            ground: GroundPart::None,
         })
     }
 
@@ -362,7 +364,7 @@ impl Stock {
         Frame {
             meshes: self.meshes.clone(),
             textures: self.textures_with_wood(),
-            materials: self.materials_in_season(worn),
+            materials: self.materials.clone(),
             models: self.models.clone(),
             instances,
             fallen: 0,

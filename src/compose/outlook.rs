@@ -36,7 +36,8 @@ impl Outlook {
         let distance = libm::hypot(across, along);
         let aside = libm::atan2(across, -along) - self.heading;
         let off = (aside - TAU * (aside / TAU).round()).abs();
-        (off < self.half_width + libm::atan2(margin, distance)).then_some(distance)
+        let is_seen = distance <= margin || off < self.half_width + libm::asin(margin / distance);
+        is_seen.then_some(distance)
     }
 }
 

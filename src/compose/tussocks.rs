@@ -1,8 +1,9 @@
 //! Tussocks: rank grass with its bents, in loose groups over the meadow, as beasts leave it standing. They carry the eye from
 //! the sward at hand to the far meadow, where single blades are too fine to be drawn.
 
+use super::blades;
 use super::outlook::Outlook;
-use super::sward::{GOLDEN_ANGLE, blade};
+use super::sward::GOLDEN_ANGLE;
 use crate::base::maths::sincos;
 use crate::base::mesh::Mesh;
 use crate::base::noise::Fractal;
@@ -39,7 +40,7 @@ pub(super) fn mesh(seed: u64) -> Mesh {
         let hue = if is_bent { random.range(0.7, 0.99) } else { 0.6 * random.uniform() * random.uniform() };
         let half = if is_bent { BENT_HALF } else { BLADE_HALF };
         let height = random.range(low, high);
-        blade(&mut mesh, &mut random, foot, [height, hue, half]);
+        blades::add(&mut mesh, &mut random, foot, [height, hue, half]);
     }
     mesh
 }
@@ -81,7 +82,7 @@ mod tests {
     fn bents_stand_over_the_blades() {
         let tussock = mesh(1);
         assert_eq!(tussock.check(), Ok(()));
-        assert_eq!(tussock.triangles.len() as u64, 2 * (BLADES + BENTS));
+        assert_eq!(tussock.triangles.len() as u64, BLADES + BENTS);
         let tips: Vec<f32> = tussock.positions.chunks(3).map(|blade| blade[2].y).collect();
         let (blades, bents) = tips.split_at(BLADES as usize);
         let mean = |heights: &[f32]| heights.iter().sum::<f32>() / heights.len() as f32;

@@ -59,6 +59,11 @@ pub(super) fn field_of_view(scene: &Scene) -> f64 {
     }
 }
 
+/// Angle that a pixel spans, radians.
+pub(super) fn pixel(scene: &Scene) -> f64 {
+    field_of_view(scene) / f64::from(scene.image.height)
+}
+
 /// The camera of a frame of the scene: turned around its target as the scene says and as the frames before it make it.
 #[must_use]
 pub fn turned(scene: &Scene, stand: &Stand, frame: i64, camera: Camera) -> Camera {

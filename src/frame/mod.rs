@@ -51,8 +51,20 @@ pub struct Material {
     pub two_sided: bool,
     /// Whether the surface shows its reflectance as it is, whatever light there is: charts, not leaves.
     pub unlit: bool,
-    /// Whether it is the frame's ground where that is uneven, and looks as it does.
-    pub is_ground: bool,
+    /// What of the ground it is.
+    pub ground: GroundPart,
+}
+
+/// What of a frame's ground a surface is, which then looks as the ground does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum GroundPart {
+    /// Nothing of it: the surface looks as its material says.
+    #[default]
+    None,
+    /// Its own surface where it is uneven.
+    Surface,
+    /// Blades of grass: `colour` and `reflected` are how much lighter they are than the sward as a whole.
+    Blades,
 }
 
 impl Material {
@@ -72,7 +84,7 @@ impl Material {
             roughness: 0.95,
             two_sided: false,
             unlit: false,
-            is_ground: false,
+            ground: GroundPart::None,
         }
     }
 }

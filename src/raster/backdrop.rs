@@ -2,7 +2,7 @@
 
 use super::Prepared;
 use super::even::Even;
-use super::surroundings::GroundLight;
+use super::ground::GroundLight;
 
 /// The backdrop of one block.
 pub(super) struct Backdrop<'a> {

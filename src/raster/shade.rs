@@ -11,7 +11,7 @@ use super::tile::Visible;
 use super::wireframe;
 use crate::base::random::hash;
 use crate::base::vector::{Affine, Vec2, Vec3};
-use crate::frame::Material;
+use crate::frame::{GroundPart, Material};
 use std::f32::consts::PI;
 
 /// A point of a surface as the eye sees it.
@@ -147,9 +147,12 @@ pub(super) fn normal(prepared: &Prepared, bins: &Bins, visible: &Visible, triang
 
 /// Radiance of a triangle of an item at a point of the picture.
 fn lit(prepared: &Prepared, item: &Item, visible: &mut Visible, triangle: u16, at: [f32; 2]) -> [f32; 3] {
-    let mut point = point(prepared, item, &visible.map, triangle, at);
     let material = &prepared.frame.materials[item.material as usize];
-    if material.is_ground {
+    if material.ground == GroundPart::Blades {
+        return blades(prepared, item, visible, triangle, at);
+    }
+    let mut point = point(prepared, item, &visible.map, triangle, at);
+    if material.ground == GroundPart::Surface {
         return prepared.uneven_ground(point.position, point.normal, point.salt);
     }
     let seen = if point.behind { material.behind.or(material.reflected) } else { material.reflected };
@@ -202,23 +205,53 @@ fn lit(prepared: &Prepared, item: &Item, visible: &mut Visible, triangle: u16, a
     if prepared.frame.ground.is_some() { through_air(prepared, item, visible, &point, colour) } else { colour }
 }
 
-/// Finds the point of a triangle behind a point of the picture, by homogeneous barycentric coordinates (Olano and Greer
+/// Radiance of a blade of grass, as that of the sward in which it stands: found once for a cluster of blades, over which it hardly
+/// changes.
+fn blades(prepared: &Prepared, item: &Item, visible: &mut Visible, triangle: u16, at: [f32; 2]) -> [f32; 3] {
+    let material = &prepared.frame.materials[item.material as usize];
+    let transform = &prepared.instances.all[item.instance as usize].transform;
+    let cluster = item.cluster_in(&prepared.meshes);
+    let numbers = cluster.triangles[usize::from(triangle)].map(usize::from);
+    let corners = numbers.map(|v| cluster.positions[v]);
+    let weights = weights(corners.map(|p| visible.map.point(p)), at);
+    let position = transform.point(blended(corners, weights));
+    let [p, q, r] = numbers.map(|v| cluster.uvs[v]);
+    let uv = p * weights[0] + q * weights[1] + r * weights[2];
+    let share = Looks { prepared, uv, footprint: 0.0, taps: None }.colour(material.colour, material.reflected);
+    let up = || transform.linear.column(1).normalize();
+    let sward = visible.sward.get_or_insert_with(|| prepared.sward_about(transform.point(cluster.centre), up()));
+    sward.radiance(share, prepared.shade(position, up(), salt(prepared, item, at)))
+}
+
+/// Barycentric coordinates of what a triangle, mapped to the picture, shows at a point of it: homogeneous ones (Olano and Greer
 /// 1997), which need no clipping.
+fn weights([a, b, c]: [Vec3; 3], at: [f32; 2]) -> [f32; 3] {
+    let ray = Vec3::new(at[0], at[1], 1.0);
+    let weights = [b.cross(&c).dot(&ray), c.cross(&a).dot(&ray), a.cross(&b).dot(&ray)];
+    let sum = weights[0] + weights[1] + weights[2];
+    if sum == 0.0 { [1.0 / 3.0; 3] } else { inside(weights.map(|w| w / sum)) }
+}
+
+fn blended(values: [Vec3; 3], weights: [f32; 3]) -> Vec3 {
+    values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2]
+}
+
+/// What turns the grain of an item's shadows at a point of the picture.
+fn salt(prepared: &Prepared, item: &Item, at: [f32; 2]) -> u64 {
+    hash(prepared.instances.salt(item.instance), (at[0] as u64) << 32 | at[1] as u64)
+}
+
+/// Finds the point of a triangle behind a point of the picture.
 fn point(prepared: &Prepared, item: &Item, map: &Affine, triangle: u16, at: [f32; 2]) -> Point {
     let instance = &prepared.instances.all[item.instance as usize];
     let cluster = item.cluster_in(&prepared.meshes);
     let numbers = cluster.triangles[usize::from(triangle)].map(usize::from);
     let corners = numbers.map(|v| cluster.positions[v]);
-    let [a, b, c] = corners.map(|p| map.point(p));
-    let ray = Vec3::new(at[0], at[1], 1.0);
-    let weights = [b.cross(&c).dot(&ray), c.cross(&a).dot(&ray), a.cross(&b).dot(&ray)];
-    let sum = weights[0] + weights[1] + weights[2];
-    let weights = if sum == 0.0 { [1.0 / 3.0; 3] } else { inside(weights.map(|w| w / sum)) };
-    let blend = |values: [Vec3; 3]| values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2];
-    let position = instance.transform.point(blend(corners));
+    let weights = weights(corners.map(|p| map.point(p)), at);
+    let position = instance.transform.point(blended(corners, weights));
     let linear = &instance.transform.linear;
     let flat = linear * (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
-    let smooth = linear * blend(numbers.map(|v| cluster.normals[v]));
+    let smooth = linear * blended(numbers.map(|v| cluster.normals[v]), weights);
     let offset = prepared.projection.eye - position;
     let distance = offset.norm();
     let to_eye = offset / distance.max(1e-6);
@@ -231,7 +264,7 @@ fn point(prepared: &Prepared, item: &Item, map: &Affine, triangle: u16, at: [f32
     let footprint = distance / prepared.projection.pixels_per_metre * texels / (scale * slant.sqrt());
     let [p, q, r] = numbers.map(|v| cluster.uvs[v]);
     let uv = p * weights[0] + q * weights[1] + r * weights[2];
-    let salt = hash(prepared.instances.salt(item.instance), (at[0] as u64) << 32 | at[1] as u64);
+    let salt = salt(prepared, item, at);
     Point { position, normal, behind, uv, footprint, to_eye, salt }
 }
 

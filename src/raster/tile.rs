@@ -7,6 +7,7 @@ use super::bins::Bins;
 pub(super) use super::coverage::SIDE;
 use super::coverage::{BLOCK, Nearest};
 use super::draw::{self, Corner, Placed, Scratch};
+use super::ground::Sward;
 use super::layers::Site;
 use super::projection::{Lens, composed};
 use super::samples::{SUBPIXEL, pattern};
@@ -42,6 +43,8 @@ pub(super) struct Visible {
     pub map: Affine,
     /// The light from all sides at a small item's middle, once it is known.
     pub ambient: Option<Ambient>,
+    /// The sward about its middle, where it is grass, once it is known.
+    pub sward: Option<Sward>,
     /// What the air before a small item keeps of each channel's radiance and what it adds, once they are known.
     pub air: Option<[[f32; 2]; 3]>,
 }
@@ -130,7 +133,7 @@ impl<const S: usize> Workspace<S> {
             if !scratch.won.is_empty() {
                 let place = visible.len() as u32;
                 seen.extend(scratch.won.iter().map(|&triangle| Seen { visible: place, triangle }));
-                visible.push(Visible { item: number, map, ambient: None, air: None });
+                visible.push(Visible { item: number, map, ambient: None, sward: None, air: None });
             }
         }
     }

@@ -5,7 +5,7 @@ use super::preparation::{self, Asked, Prepared};
 use super::wardrobe::{self, Atelier};
 use crate::base::diagnostic::{Diagnostic, Diagnostics, Fault};
 use crate::base::limits::Limits;
-use crate::compose::{self, Falls, Stock};
+use crate::compose::{Falls, Stock};
 use crate::frame::Frame;
 use crate::plan;
 use crate::report::Report;
@@ -81,7 +81,7 @@ impl Still {
         let trees = stock.frame(scene, stand, &worn);
         let leaf = (scene.camera.subject == Subject::Leaf).then(|| stock.specimen(scene, &worn, &trees));
         let mut frame = leaf.flatten().unwrap_or(trees);
-        frame.camera = compose::turned(scene, stand, self.index, frame.camera);
+        stock.aim(scene, stand, self.index, &mut frame);
         let frame = match &self.falls {
             Some(falls) if plan.has("fall") => stock.strewn(scene, stand, falls, frame).0,
             _ => frame,

@@ -5,7 +5,7 @@ use crate::base::diagnostic::Diagnostics;
 use crate::base::figures::Figures;
 use crate::base::picture::Picture;
 use crate::compose::contact_sheet::Sheet;
-use crate::compose::{self, Stock, picture_inset};
+use crate::compose::{Stock, picture_inset};
 use crate::export::{self, ExportError};
 use crate::frame::Frame;
 use crate::plan;
@@ -44,7 +44,7 @@ impl Run<'_> {
                 let trees = stock.frame(scene, stand, &worn);
                 let leaf = (scene.camera.subject == Subject::Leaf).then(|| stock.specimen(scene, &worn, &trees));
                 let mut frame = leaf.flatten().unwrap_or(trees);
-                frame.camera = compose::turned(scene, stand, index, frame.camera);
+                stock.aim(scene, stand, index, &mut frame);
                 let instances = frame.instances.len() as u64;
                 Ok::<_, Diagnostics>((frame, Figures::of(instances)))
             })?;

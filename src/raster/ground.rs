@@ -1,17 +1,13 @@
-//! What is behind everything that stands: the sky with its sun and clouds, the wood on the horizon and the ground.
+//! The level ground, and what of it is seen on uneven ground and behind blades of grass.
 
 use super::Prepared;
 use crate::base::maths::{acosf, asinf, log2f, mix, smooth_step};
 use crate::base::noise::{Lattice, Nodes};
 use crate::base::random::hash;
 use crate::base::vector::{Vec2, Vec3};
-use crate::frame::{Clouds, Ground};
+use crate::frame::Ground;
 use std::f32::consts::PI;
 
-/// Cosine of the angle of the sun's disc's radius, 0.267 degrees, and that radius.
-const DISC: f32 = 0.004_66;
-/// Metres that one repeat of the clouds covers, for a height of 1.
-const CLOUDS: f32 = 4.4;
 /// Share of that which is left by the shade that blades of unlike height throw on each other (judged).
 const SWARD: f32 = 0.66;
 /// Transmittance of a blade of grass over its reflectance (judged; measured leaves of grasses have 0.6 to 0.9).
@@ -32,6 +28,35 @@ impl Spot {
     /// Cosine of the angle at which the look meets the ground.
     fn slope(&self) -> f32 {
         -self.ray.dot(&self.normal)
+    }
+
+    /// Width of a pixel across the look, metres.
+    fn pixel(&self, prepared: &Prepared) -> f32 {
+        self.distance / prepared.projection.pixels_per_metre
+    }
+
+    /// Length of a pixel on the ground along the look, metres.
+    fn long(&self, prepared: &Prepared) -> f32 {
+        self.pixel(prepared) / self.slope().max(1e-3)
+    }
+}
+
+/// What wide patches make of a place of the ground.
+struct Patches {
+    /// How light it is, 1 in the mean.
+    light: f32,
+    /// How dry, 0 in the mean.
+    dry: f32,
+    /// How far grass is worn away, 0..1.
+    worn: f32,
+    /// The octave of tufts that pixels show.
+    octave: f32,
+}
+
+impl Patches {
+    /// Those that `Prepared::ground_patches` tells.
+    fn of([light, dry, worn, octave]: [f32; 4]) -> Self {
+        Self { light, dry: dry - 1.0, worn: (worn - 1.0).max(0.0), octave }
     }
 }
 
@@ -58,6 +83,11 @@ impl GroundLight {
         std::array::from_fn(|number| parts[number / 3][number % 3])
     }
 
+    /// Radiance of a reflectance in a share of the sun, through the air.
+    fn seen(&self, albedo: [f32; 3], lit: f32) -> [f32; 3] {
+        std::array::from_fn(|k| albedo[k] * (self.sun[k] * lit + self.ambient[k]) * self.kept[k] + self.air[k])
+    }
+
     /// Made of its numbers.
     pub(super) fn of(values: [f32; Self::VALUES]) -> Self {
         let part = |number: usize| std::array::from_fn(|k| values[3 * number + k]);
@@ -65,53 +95,22 @@ impl GroundLight {
     }
 }
 
+/// Grass about a place, as the eye sees it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sward {
+    light: GroundLight,
+    /// Its mean reflectance.
+    albedo: [f32; 3],
+}
+
+impl Sward {
+    /// Radiance of what is by these factors lighter than the mean, where it is lit by this share of the sun.
+    pub(super) fn radiance(&self, share: [f32; 3], lit: f32) -> [f32; 3] {
+        self.light.seen(std::array::from_fn(|k| self.albedo[k] * share[k]), lit)
+    }
+}
+
 impl Prepared<'_> {
-    /// Radiance of the sky through a point of the picture.
-    pub(super) fn sky(&self, at: [f32; 2]) -> [f32; 3] {
-        let direction = self.projection.ray(at[0], at[1]);
-        let sky = self.open_sky(direction);
-        match self.frame.ground.as_ref().and_then(|ground| ground.wood) {
-            Some(wood) => self.before_wood(&wood, direction, sky),
-            None => sky,
-        }
-    }
-
-    /// The sky with its sun and its clouds.
-    fn open_sky(&self, direction: Vec3) -> [f32; 3] {
-        let sky = self.atmosphere.sky(direction);
-        let clear = match &self.frame.sky.clouds {
-            Some(clouds) if clouds.cover > 0.0 && direction.y > 0.0 => self.clouded(clouds, direction, sky),
-            _ => sky,
-        };
-        let off = (direction - self.frame.sun.direction).norm();
-        if off > 1.5 * DISC || self.frame.ground.is_none() {
-            return clear;
-        }
-        let disc = (1.0 - smooth_step(0.9 * DISC, 1.1 * DISC, off)) / (PI * DISC * DISC);
-        std::array::from_fn(|k| clear[k] + self.frame.sun.irradiance[k] * disc)
-    }
-
-    /// Clouds before a sky of which they have been mixed into the mean.
-    fn clouded(&self, clouds: &Clouds, direction: Vec3, sky: [f32; 3]) -> [f32; 3] {
-        // The clouds' plane curves down with the earth, else it would be endless at the horizon.
-        let reach = 1.0 / (direction.y + 0.045);
-        let uv = Vec2::new(direction.x, direction.z) * (reach / CLOUDS);
-        let footprint = reach * reach / (self.projection.pixels_per_metre * CLOUDS);
-        let [dense, lit, _] = self.textures[clouds.texture as usize].sample(uv, footprint);
-        let from = 1.0 - 1.05 * clouds.cover;
-        let closed = smooth_step(0.75, 1.0, clouds.cover);
-        let covered = mix(smooth_step(from, from + 0.42, dense), 1.0, closed);
-        let far = smooth_step(0.0, 0.10, direction.y);
-        let open = 1.0 / (1.0 - clouds.cover).max(0.05);
-        std::array::from_fn(|k| {
-            let cloud = mix(clouds.shaded[k], clouds.lit[k], lit);
-            let overcast = sky[k] * (0.86 + 0.28 * lit);
-            let cloud = mix(cloud, overcast, closed.max(1.0 - far));
-            let clear = mix((sky[k] - self.frame.sky.horizon[k]) * open, sky[k], closed.max(clouds.cover));
-            mix(clear, cloud, covered * mix(0.35, 1.0, far))
-        })
-    }
-
     /// Where a point of the picture below the horizon meets the level ground.
     fn on_ground(&self, at: [f32; 2]) -> Spot {
         let ray = self.projection.ray(at[0], at[1]);
@@ -122,9 +121,7 @@ impl Prepared<'_> {
     /// Radiance of uneven ground at a point of it, its unit normal on the side of the eye.
     pub(super) fn uneven_ground(&self, position: Vec3, normal: Vec3, salt: u64) -> [f32; 3] {
         let Some(ground) = &self.frame.ground else { return [0.0; 3] };
-        let way = position - self.projection.eye;
-        let distance = way.norm();
-        let spot = Spot { position, distance, ray: way / distance.max(1e-6), normal };
+        let spot = self.spot(position, normal);
         self.seen(&spot, &self.spot_light(&spot, ground), self.spot_patches(&spot), salt)
     }
 
@@ -132,8 +129,25 @@ impl Prepared<'_> {
     fn seen(&self, spot: &Spot, light: &GroundLight, patches: [f32; 4], salt: u64) -> [f32; 3] {
         self.reads.borrow_mut().rest = true;
         let albedo = self.ground_albedo(spot, patches);
-        let shade = self.shade(spot.position, spot.normal, salt);
-        std::array::from_fn(|k| albedo[k] * (light.sun[k] * shade + light.ambient[k]) * light.kept[k] + light.air[k])
+        light.seen(albedo, self.shade(spot.position, spot.normal, salt))
+    }
+
+    /// The sward about a place of the ground with this unit normal.
+    pub(super) fn sward_about(&self, position: Vec3, normal: Vec3) -> Sward {
+        let Some(ground) = &self.frame.ground else { return Sward { light: GroundLight::default(), albedo: [0.0; 3] } };
+        self.reads.borrow_mut().rest = true;
+        let spot = self.spot(position, normal);
+        let patches = Patches { worn: 0.0, ..Patches::of(self.spot_patches(&spot)) };
+        let mean = self.textures[ground.texture as usize].mean();
+        let albedo = self.covered(ground, mean, Vec2::new(position.x, position.z), &patches, (0.0, spot.long(self)));
+        Sward { light: self.spot_light(&spot, ground), albedo }
+    }
+
+    /// A place of the ground with its unit normal on the side of the eye.
+    fn spot(&self, position: Vec3, normal: Vec3) -> Spot {
+        let way = position - self.projection.eye;
+        let distance = way.norm();
+        Spot { position, distance, ray: way / distance.max(1e-6), normal }
     }
 
     /// Radiance of the ground at a point of the picture below the horizon, of what changes little from pixel to pixel.
@@ -195,8 +209,7 @@ impl Prepared<'_> {
 
     fn spot_patches(&self, spot: &Spot) -> [f32; 4] {
         let place = Vec2::new(spot.position.x, spot.position.z);
-        let pixel = spot.distance / self.projection.pixels_per_metre;
-        let long = pixel / spot.slope().max(1e-3);
+        let (pixel, long) = (spot.pixel(self), spot.long(self));
         let [field, wide] = [(71.0, 1), (19.0, 2)].map(|(size, salt)| patches(place / size, salt, long / size));
         let octave = log2f((pixel / FINEST).max(1.0));
         let worn = self.frame.ground.as_ref().map_or(0.0, |ground| worn(&ground.feet, place));
@@ -204,42 +217,55 @@ impl Prepared<'_> {
     }
 
     /// Reflectance of the ground: its texture, tufts and patches of herbs.
-    fn ground_albedo(&self, spot: &Spot, [light, dry, worn, octave]: [f32; 4]) -> [f32; 3] {
+    fn ground_albedo(&self, spot: &Spot, patches: [f32; 4]) -> [f32; 3] {
         let Some(ground) = &self.frame.ground else { return [0.0; 3] };
-        let (position, slope) = (spot.position, spot.slope());
-        let (dry, worn) = (dry - 1.0, (worn - 1.0).max(0.0));
-        let pixel = spot.distance / self.projection.pixels_per_metre;
-        let texture = &self.textures[ground.texture as usize];
-        let place = Vec2::new(position.x, position.z);
+        let (slope, patches) = (spot.slope(), Patches::of(patches));
+        let place = Vec2::new(spot.position.x, spot.position.z);
         // A pixel on the ground is long and narrow; the mean of its sides keeps detail without crawling.
-        let long = pixel / slope.max(1e-3);
+        let (pixel, long) = (spot.pixel(self), spot.long(self));
         let footprint = (pixel * long).sqrt() / ground.tile;
+        let texture = &self.textures[ground.texture as usize];
         let mean = texture.mean();
         // Where a repeat is a few pixels there is no detail left but the repeats.
         let near = 1.0 - smooth_step(0.04, 0.10, footprint);
         let detail = if near > 0.0 { texture.sample(place / ground.tile, footprint) } else { mean };
+        let detail = std::array::from_fn(|k| mix(mean[k], detail[k], near));
         // Where even a tuft that is drawn out is shorter than a pixel it would be a weave of the lattice and the pixels.
         let drawn = 1.0 - smooth_step(0.6 * LONGEST, 1.6 * LONGEST, 0.5 / slope.max(1e-4));
         let upright = if ground.blades > 0.0 && drawn > 0.0 {
-            self.tufts(place, octave, spot.distance * slope) * ground.blades * drawn
+            self.tufts(place, patches.octave, spot.distance * slope) * ground.blades * drawn
         } else {
             0.0
         };
         // A tuft hides what lies behind it, so patches end in tufts: what is seen lies nearer by its height over the slope.
         let seen = place - self.atmosphere.ahead * (upright * TALL * ground.blades / slope.max(1e-3));
+        self.covered(ground, detail, seen, &patches, (upright, long))
+    }
+
+    /// Reflectance of what covers the ground, of a texture's reflectance, at a place in patches: how far upright tufts make it
+    /// lighter, and how long a pixel is there, metres.
+    fn covered(
+        &self,
+        ground: &Ground,
+        detail: [f32; 3],
+        place: Vec2,
+        patches: &Patches,
+        (upright, long): (f32, f32),
+    ) -> [f32; 3] {
+        let mean = self.textures[ground.texture as usize].mean();
         let nodes = &mut *self.nodes.borrow_mut();
         let [middle, small] = [(4.3, 4, 0), (1.15, 3, 1)]
-            .map(|(size, salt, kept)| patches_by(&mut nodes[kept], seen / size, salt, long / size));
-        let light = light + 0.46 * middle + 0.42 * small + TUFTS * upright;
-        let grass = ground.blades * (1.0 - worn);
-        let straw = STRAWY + dry + 0.70 * (small - 0.7 * middle) + 0.25 * upright + ground.dormant * 0.58;
+            .map(|(size, salt, kept)| patches_by(&mut nodes[kept], place / size, salt, long / size));
+        let light = patches.light + 0.46 * middle + 0.42 * small + TUFTS * upright;
+        let grass = ground.blades * (1.0 - patches.worn);
+        let straw = STRAWY + patches.dry + 0.70 * (small - 0.7 * middle) + 0.25 * upright + ground.dormant * 0.58;
         let straw = straw.clamp(0.0, 1.0) * grass;
         std::array::from_fn(|k| {
-            let textured = mix(mean[k], detail[k], near) * light;
+            let textured = detail[k] * light;
             let rested = textured * mix(1.0, DULL[k], ground.dormant * grass);
             let earth = SOIL[k] * (0.6 + 0.4 * textured / mean[k].max(1e-3));
             let cover = mix(rested, mix(mean[k], textured, 0.7) * STRAW[k], straw);
-            mix(cover, earth, worn * ground.blades).max(0.15 * mean[k])
+            mix(cover, earth, patches.worn * ground.blades).max(0.15 * mean[k])
         })
     }
 
