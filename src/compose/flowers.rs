@@ -2,7 +2,6 @@
 //! patches. They go as the trees turn.
 
 use super::outlook::Outlook;
-
 use crate::base::maths::{cos, sin, sincos};
 use crate::base::mesh::Mesh;
 use crate::base::random::{Purpose, Stream, hash, hash_unit};

@@ -42,7 +42,7 @@ pub use leaf_area::blade_area;
 pub use litter::BROWN;
 pub use stand::{Form, Stand};
 pub use texture_size::{largest_blade, largest_texture, texture_size};
-pub use view::turned;
+use view::turned;
 
 use crate::base::mesh::Mesh;
 use crate::base::random::{Purpose, Stream};

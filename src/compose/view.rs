@@ -66,7 +66,7 @@ pub(super) fn pixel(scene: &Scene) -> f64 {
 
 /// The camera of a frame of the scene: turned around its target as the scene says and as the frames before it make it.
 #[must_use]
-pub fn turned(scene: &Scene, stand: &Stand, frame: i64, camera: Camera) -> Camera {
+pub(super) fn turned(scene: &Scene, stand: &Stand, frame: i64, camera: Camera) -> Camera {
     let turn = scene.camera.orbit + scene.camera.turn * frame as f64 / scene.time.count().max(1.0);
     if turn == 0.0 {
         return camera;
