@@ -1,13 +1,12 @@
 //! The light inside a green crown at clear noon, measured from pictures without a tone curve; and what the keys of light and
 //! camera do to them.
 
-use leafseason::base::limits::Limits;
+#[path = "common/drawn.rs"]
+mod drawn;
+
+use drawn::drawn;
 use leafseason::base::maths::srgb_to_linear;
 use leafseason::base::picture::Picture;
-use leafseason::run::{self, Options, progress, signals::Signals};
-use leafseason::scene;
-use std::fs;
-use std::path::Path;
 
 const NOON: &str = r#"
 species = "red-maple"
@@ -19,31 +18,8 @@ light = { sun_elevation = 60.0, sun_azimuth = 45.0, shadow_size = 2048 }
 image = { width = 400, height = 400, samples = 1 }
 "#;
 
-/// The pictures of a scene with assignments, in the order of its frames.
-fn drawn(text: &str, sets: &[&str]) -> Vec<Picture> {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("scene.toml");
-    fs::write(&path, text).expect("the scene is written");
-    let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
-    let scene = scene::read(&path, &sets, &[], &Limits::default()).unwrap_or_else(|fault| panic!("{fault}")).0;
-    let out = folder.path().join("out");
-    let options = Options { out: out.clone(), ..Options::default() };
-    let mut progress = progress::Progress::new(progress::Mode::None);
-    run::render(&scene, &options, &mut progress, &Signals::default()).unwrap_or_else(|fault| panic!("{fault}"));
-    let files = fs::read_dir(&out).expect("files").map(|entry| entry.expect("a file").path());
-    let mut pictures: Vec<_> = files.filter(|path| path.extension().is_some_and(|end| end == "png")).collect();
-    pictures.sort();
-    pictures.iter().map(|path| decoded(path)).collect()
-}
-
 fn only(text: &str, sets: &[&str]) -> Picture {
     drawn(text, sets).remove(0)
-}
-
-fn decoded(path: &Path) -> Picture {
-    let image = image::open(path).unwrap_or_else(|fault| panic!("{}: {fault}", path.display())).into_rgba8();
-    let (width, height) = image.dimensions();
-    Picture { width, height, pixels: image.pixels().map(|pixel| pixel.0).collect() }
 }
 
 /// Luminance of a pixel whose codes are linear light.
@@ -97,11 +73,12 @@ light = { shadow_size = 512 }
 #[test]
 fn a_turntable_begins_with_the_scene_s_own_view_and_comes_around() {
     let run = SHOOT.replace("time = { day = 0.0 }", "time = { from = 0.0, to = 0.03, step = 0.01 }");
-    let turned = drawn(&run, &["camera.turn=360", "ground.kind=none"]);
+    // The grass is laid before the camera of each frame.
+    let turned = drawn(&run, &["camera.turn=360"]);
     assert_eq!(turned.len(), 4);
-    assert!(turned[0] == only(SHOOT, &["ground.kind=none"]), "the first frame is the scene's own view");
+    assert!(turned[0] == only(SHOOT, &[]), "the first frame is the scene's own view");
     assert!((1..4).all(|frame| turned[frame] != turned[frame - 1]));
-    assert!(turned[1] == only(SHOOT, &["camera.orbit=90", "ground.kind=none"]), "a quarter of the way");
+    assert!(turned[1] == only(SHOOT, &["camera.orbit=90"]), "a quarter of the way");
 }
 
 #[test]
