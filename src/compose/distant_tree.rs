@@ -1,7 +1,7 @@
 //! Trees of a distant wood, as few strokes and lobes: a trunk, boughs about it inside the envelope of a form, a lobe of leaves
 //! on each bough with smaller ones on it. The same tree bears the leaves of summer and shows the twigs of winter.
 
-use super::sward::GOLDEN_ANGLE;
+use super::upright::GOLDEN_ANGLE;
 use crate::base::maths::{exp, pow, sin};
 use crate::base::random::{Purpose, Stream};
 use std::f64::consts::{PI, TAU};

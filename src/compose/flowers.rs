@@ -2,10 +2,11 @@
 //! patches. They go as the trees turn.
 
 use super::outlook::Outlook;
+use super::upright::upright;
 use crate::base::maths::{cos, sin, sincos};
 use crate::base::mesh::Mesh;
 use crate::base::random::{Purpose, Stream, hash, hash_unit};
-use crate::base::vector::{Affine, Mat3, Vec2, Vec3};
+use crate::base::vector::{Affine, Vec2, Vec3};
 use std::f64::consts::TAU;
 
 /// A kind of flower.
@@ -76,13 +77,10 @@ fn add_head(mesh: &mut Mesh, random: &mut Stream, middle: Vec3, [small, large]: 
 pub(super) fn places(seed: u64, number: u64, outlook: &Outlook) -> Vec<Affine> {
     let share = KINDS[number as usize % KINDS.len()].patches;
     let place = |(column, row): (i64, i64)| {
-        let [x, z] = [column, row].map(|square| (square as f64 + 0.5) * PATCH);
-        let distance = outlook.distance([x, z], PATCH)?;
-        let turn = hash_unit(seed, hash(column as u64, row as u64));
-        let (sine, cosine) = sincos(TAU * f64::from(turn));
-        let (sine, cosine) = (sine as f32, cosine as f32);
-        let linear = Mat3::new(cosine, 0.0, sine, 0.0, 1.0, 0.0, -sine, 0.0, cosine);
-        let place = Affine { linear, translation: Vec3::new(x as f32, 0.0, z as f32) };
+        let middle = [column, row].map(|square| (square as f64 + 0.5) * PATCH);
+        let distance = outlook.distance(middle, PATCH)?;
+        let turn = TAU * f64::from(hash_unit(seed, hash(column as u64, row as u64)));
+        let place = upright(middle, sincos(turn), 1.0);
         (distance < REACH && lot(seed, number, &place) < share).then_some(place)
     };
     outlook.squares(PATCH, REACH).filter_map(place).collect()

@@ -17,6 +17,24 @@ struct Plant {
     reach: f32,
 }
 
+impl Plant {
+    /// Where it stands on level or uneven ground, told from where it would on level ground; nowhere if it stood off that.
+    fn laid(self, level: Affine, heights: Option<&HeightMap>) -> Option<Affine> {
+        let Some(map) = heights else { return Some(level) };
+        let laid = terrain::laid(map, level);
+        terrain::lies(map, &laid, self.reach).then_some(laid)
+    }
+
+    fn at(self, transform: Affine) -> Instance {
+        Instance { model: self.model, transform, leaf: None }
+    }
+
+    /// One at each of these places on level ground where it stands.
+    fn all(self, places: Vec<Affine>, heights: Option<&HeightMap>) -> impl Iterator<Item = Instance> {
+        places.into_iter().filter_map(move |place| Some(self.at(self.laid(place, heights)?)))
+    }
+}
+
 /// What grows on the meadow before a camera.
 pub(super) struct Meadow {
     division: Division,
@@ -76,7 +94,7 @@ impl Stock {
         });
         let flowers = flowers.collect();
         self.meadow = Some(Meadow { division, sward, tussock, flowers });
-        rings::places(feet).into_iter().filter_map(|place| standing(ring, place, heights)).collect()
+        ring.all(rings::places(feet), heights).collect()
     }
 
     /// Turns the camera of a frame as the scene says and as the frames before it make it, and lays the meadow before it.
@@ -89,28 +107,14 @@ impl Stock {
         let outlook = Outlook::new(eye.into(), view::axis(&frame.camera).into(), half);
         let trees: Vec<[f64; 2]> = stand.trees.iter().map(|(_, tree)| tree.place).collect();
         let heights = stand.heights.as_deref();
-        let on_ground = |plant: Plant| move |place: Affine| standing(plant, place, heights);
-        let lies = |patch: &Patch| Some(standing(meadow.sward[patch.level], patch.place, heights)?.transform);
+        let lies = |patch: &Patch| meadow.sward[patch.level].laid(patch.place, heights);
         let sward = meadow.division.patches(&outlook, lies).into_iter();
-        ground.cover.extend(sward.map(|patch| Instance {
-            model: meadow.sward[patch.level].model,
-            transform: patch.place,
-            leaf: None,
-        }));
+        ground.cover.extend(sward.map(|patch| meadow.sward[patch.level].at(patch.place)));
         for (number, plant) in (0..).zip(&meadow.flowers) {
-            let places = flowers::places(scene.seed, number, &outlook).into_iter();
-            let places = places.filter(|place| flowers::stand(place, ground.dormant));
-            ground.cover.extend(places.filter_map(on_ground(*plant)));
+            let mut places = flowers::places(scene.seed, number, &outlook);
+            places.retain(|place| flowers::stand(place, ground.dormant));
+            ground.cover.extend(plant.all(places, heights));
         }
-        let tussocks = tussocks::places(scene.seed, &outlook, &trees).into_iter();
-        ground.cover.extend(tussocks.filter_map(on_ground(meadow.tussock)));
+        ground.cover.extend(meadow.tussock.all(tussocks::places(scene.seed, &outlook, &trees), heights));
     }
-}
-
-/// A plant at its place on level or uneven ground; none where it would stand off that.
-fn standing(plant: Plant, level: Affine, heights: Option<&HeightMap>) -> Option<Instance> {
-    let on = |transform: Affine| Instance { model: plant.model, transform, leaf: None };
-    let Some(map) = heights else { return Some(on(level)) };
-    let laid = terrain::laid(map, level);
-    terrain::lies(map, &laid, plant.reach).then(|| on(laid))
 }

@@ -32,6 +32,7 @@ mod sward;
 mod terrain;
 mod texture_size;
 mod tussocks;
+mod upright;
 mod view;
 mod white_balance;
 mod wood_canvas;

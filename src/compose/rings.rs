@@ -1,11 +1,11 @@
 //! Rings of long grass about trunks' feet, which no mower and few feet reach: a trunk stands in the meadow and not on it.
 
 use super::blades;
-use super::sward::GOLDEN_ANGLE;
+use super::upright::{GOLDEN_ANGLE, upright};
 use crate::base::maths::{cos, sin, sincos};
 use crate::base::mesh::Mesh;
 use crate::base::random::{Purpose, Stream};
-use crate::base::vector::{Affine, Mat3, Vec3};
+use crate::base::vector::Affine;
 use std::f64::consts::TAU;
 
 /// Blades in a ring, and how far it goes, metres.
@@ -19,11 +19,9 @@ const MOST: usize = 400;
 /// Where rings of long grass stand about trunks (x, z, radius), as large as the trunks are thick; none about a shoot.
 pub(super) fn places(feet: &[[f32; 3]]) -> Vec<Affine> {
     let place = |(number, [x, z, radius]): (usize, &[f32; 3])| {
-        let (sine, cosine) = sincos(number as f64 * GOLDEN_ANGLE);
         let scale = (radius / TRUNK).min(1.5);
-        let (sine, cosine) = (sine as f32 * scale, cosine as f32 * scale);
-        let linear = Mat3::new(cosine, 0.0, sine, 0.0, scale, 0.0, -sine, 0.0, cosine);
-        (scale > 0.3).then_some(Affine { linear, translation: Vec3::new(*x, 0.0, *z) })
+        let unit = upright([*x, *z].map(f64::from), sincos(number as f64 * GOLDEN_ANGLE), 1.0);
+        (scale > 0.3).then(|| Affine { linear: unit.linear * scale, ..unit })
     };
     feet.iter().enumerate().filter_map(place).take(MOST).collect()
 }

@@ -3,13 +3,11 @@
 
 use super::blades;
 use super::outlook::Outlook;
+use super::upright::upright;
 use crate::base::mesh::Mesh;
 use crate::base::noise::Fractal;
 use crate::base::random::{Purpose, Stream, hash};
-use crate::base::vector::{Affine, Mat3, Vec3};
-
-/// Turn between successive plants of a kind, radians.
-pub(super) const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+use crate::base::vector::Affine;
 
 /// Side of a patch of the finest level, metres; that of each coarser one is twice as long.
 const PATCH: f64 = 1.25;
@@ -94,11 +92,9 @@ fn side(level: usize) -> f64 {
 }
 
 /// A patch's place, turned by quarters so that neighbours do not look alike.
-fn turned([x, z]: [f64; 2], [column, row]: [i64; 2]) -> Affine {
+fn turned(middle: [f64; 2], [column, row]: [i64; 2]) -> Affine {
     let quarter = hash(column as u64, row as u64) & 3;
-    let (sine, cosine) = [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][quarter as usize];
-    let linear = Mat3::new(cosine, 0.0, sine, 0.0, 1.0, 0.0, -sine, 0.0, cosine);
-    Affine { linear, translation: Vec3::new(x as f32, 0.0, z as f32) }
+    upright(middle, [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][quarter as usize], 1.0)
 }
 
 /// The grass of a patch of a level, about the origin.

@@ -3,12 +3,12 @@
 
 use super::blades;
 use super::outlook::Outlook;
-use super::sward::GOLDEN_ANGLE;
+use super::upright::{GOLDEN_ANGLE, upright};
 use crate::base::maths::sincos;
 use crate::base::mesh::Mesh;
 use crate::base::noise::Fractal;
 use crate::base::random::{Purpose, Stream, hash};
-use crate::base::vector::{Affine, Mat3, Vec3};
+use crate::base::vector::Affine;
 
 /// Blades of a tussock, their range of heights and half a blade's width, metres.
 const BLADES: u64 = 80;
@@ -60,18 +60,9 @@ pub(super) fn places(seed: u64, outlook: &Outlook, trees: &[[f64; 2]]) -> Vec<Af
         // One square in eight on the average, half of them in the thick of a group.
         let share = (2.4 * (f64::from(groups.at(u, v)) - 0.47)).clamp(0.015, 0.55);
         let (lot, scale) = (random.uniform(), random.range(0.55, 1.15));
-        (lot < share).then(|| standing(place, GOLDEN_ANGLE * (column as f64 + 31.0 * row as f64), scale))
+        (lot < share).then(|| upright(place, sincos(GOLDEN_ANGLE * (column as f64 + 31.0 * row as f64)), scale))
     };
     outlook.squares(CELL, REACH).filter_map(place).collect()
-}
-
-fn standing([x, z]: [f64; 2], turn: f64, scale: f64) -> Affine {
-    let (sine, cosine) = sincos(turn);
-    let (sine, cosine, scale) = ((sine * scale) as f32, (cosine * scale) as f32, scale as f32);
-    Affine {
-        linear: Mat3::new(cosine, 0.0, sine, 0.0, scale, 0.0, -sine, 0.0, cosine),
-        translation: Vec3::new(x as f32, 0.0, z as f32),
-    }
 }
 
 #[cfg(test)]

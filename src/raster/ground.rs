@@ -101,6 +101,8 @@ pub(super) struct Sward {
     light: GroundLight,
     /// Its mean reflectance.
     albedo: [f32; 3],
+    /// The ground's unit normal.
+    pub normal: Vec3,
 }
 
 impl Sward {
@@ -134,13 +136,15 @@ impl Prepared<'_> {
 
     /// The sward about a place of the ground with this unit normal.
     pub(super) fn sward_about(&self, position: Vec3, normal: Vec3) -> Sward {
-        let Some(ground) = &self.frame.ground else { return Sward { light: GroundLight::default(), albedo: [0.0; 3] } };
+        let Some(ground) = &self.frame.ground else {
+            return Sward { light: GroundLight::default(), albedo: [0.0; 3], normal };
+        };
         self.reads.borrow_mut().rest = true;
         let spot = self.spot(position, normal);
         let patches = Patches { worn: 0.0, ..Patches::of(self.spot_patches(&spot)) };
         let mean = self.textures[ground.texture as usize].mean();
         let albedo = self.covered(ground, mean, Vec2::new(position.x, position.z), &patches, (0.0, spot.long(self)));
-        Sward { light: self.spot_light(&spot, ground), albedo }
+        Sward { light: self.spot_light(&spot, ground), albedo, normal }
     }
 
     /// A place of the ground with its unit normal on the side of the eye.

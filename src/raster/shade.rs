@@ -209,18 +209,14 @@ fn lit(prepared: &Prepared, item: &Item, visible: &mut Visible, triangle: u16, a
 /// changes.
 fn blades(prepared: &Prepared, item: &Item, visible: &mut Visible, triangle: u16, at: [f32; 2]) -> [f32; 3] {
     let material = &prepared.frame.materials[item.material as usize];
-    let transform = &prepared.instances.all[item.instance as usize].transform;
-    let cluster = item.cluster_in(&prepared.meshes);
-    let numbers = cluster.triangles[usize::from(triangle)].map(usize::from);
-    let corners = numbers.map(|v| cluster.positions[v]);
-    let weights = weights(corners.map(|p| visible.map.point(p)), at);
-    let position = transform.point(blended(corners, weights));
-    let [p, q, r] = numbers.map(|v| cluster.uvs[v]);
-    let uv = p * weights[0] + q * weights[1] + r * weights[2];
+    let Met { position, uv, .. } = met(prepared, item, &visible.map, triangle, at);
     let share = Looks { prepared, uv, footprint: 0.0, taps: None }.colour(material.colour, material.reflected);
-    let up = || transform.linear.column(1).normalize();
-    let sward = visible.sward.get_or_insert_with(|| prepared.sward_about(transform.point(cluster.centre), up()));
-    sward.radiance(share, prepared.shade(position, up(), salt(prepared, item, at)))
+    let sward = visible.sward.get_or_insert_with(|| {
+        let transform = &prepared.instances.all[item.instance as usize].transform;
+        let middle = transform.point(item.cluster_in(&prepared.meshes).centre);
+        prepared.sward_about(middle, transform.linear.column(1).normalize())
+    });
+    sward.radiance(share, prepared.shade(position, sward.normal, salt(prepared, item, at)))
 }
 
 /// Barycentric coordinates of what a triangle, mapped to the picture, shows at a point of it: homogeneous ones (Olano and Greer
@@ -241,15 +237,32 @@ fn salt(prepared: &Prepared, item: &Item, at: [f32; 2]) -> u64 {
     hash(prepared.instances.salt(item.instance), (at[0] as u64) << 32 | at[1] as u64)
 }
 
-/// Finds the point of a triangle behind a point of the picture.
-fn point(prepared: &Prepared, item: &Item, map: &Affine, triangle: u16, at: [f32; 2]) -> Point {
-    let instance = &prepared.instances.all[item.instance as usize];
+/// What of a triangle is met behind a point of the picture.
+struct Met {
+    /// Numbers of the triangle's vertices in its cluster.
+    numbers: [usize; 3],
+    /// Barycentric coordinates.
+    weights: [f32; 3],
+    position: Vec3,
+    uv: Vec2,
+}
+
+fn met(prepared: &Prepared, item: &Item, map: &Affine, triangle: u16, at: [f32; 2]) -> Met {
     let cluster = item.cluster_in(&prepared.meshes);
     let numbers = cluster.triangles[usize::from(triangle)].map(usize::from);
     let corners = numbers.map(|v| cluster.positions[v]);
     let weights = weights(corners.map(|p| map.point(p)), at);
-    let position = instance.transform.point(blended(corners, weights));
-    let linear = &instance.transform.linear;
+    let position = prepared.instances.all[item.instance as usize].transform.point(blended(corners, weights));
+    let [p, q, r] = numbers.map(|v| cluster.uvs[v]);
+    Met { numbers, weights, position, uv: p * weights[0] + q * weights[1] + r * weights[2] }
+}
+
+/// Finds the point of a triangle behind a point of the picture.
+fn point(prepared: &Prepared, item: &Item, map: &Affine, triangle: u16, at: [f32; 2]) -> Point {
+    let Met { numbers, weights, position, uv } = met(prepared, item, map, triangle, at);
+    let linear = &prepared.instances.all[item.instance as usize].transform.linear;
+    let cluster = item.cluster_in(&prepared.meshes);
+    let corners = numbers.map(|v| cluster.positions[v]);
     let flat = linear * (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
     let smooth = linear * blended(numbers.map(|v| cluster.normals[v]), weights);
     let offset = prepared.projection.eye - position;
@@ -262,8 +275,6 @@ fn point(prepared: &Prepared, item: &Item, map: &Affine, triangle: u16, at: [f32
     let slant = normal.dot(&to_eye).abs().max(0.25);
     let texels = prepared.meshes[item.mesh as usize].uv_per_metre;
     let footprint = distance / prepared.projection.pixels_per_metre * texels / (scale * slant.sqrt());
-    let [p, q, r] = numbers.map(|v| cluster.uvs[v]);
-    let uv = p * weights[0] + q * weights[1] + r * weights[2];
     let salt = salt(prepared, item, at);
     Point { position, normal, behind, uv, footprint, to_eye, salt }
 }
