@@ -141,3 +141,33 @@ fn no_file_has_grown_into_a_hall() {
         files.iter().filter(|file| lines(file) > 500).map(|file| file.display().to_string()).collect();
     assert!(long.is_empty(), "over 500 lines: {}", long.join(", "));
 }
+
+/// What a run or a comparison leaves behind is easily committed with the rest; the top level is given by the project's plan.
+#[test]
+fn the_top_level_holds_what_the_plan_names_alone() {
+    let planned = [
+        "CHANGELOG.md",
+        "Cargo.lock",
+        "Cargo.toml",
+        "LICENSE-APACHE",
+        "LICENSE-MIT",
+        "README.md",
+        "benches",
+        "build.rs",
+        "clippy.toml",
+        "golden",
+        "out",
+        "rustfmt.toml",
+        "scenes",
+        "src",
+        "target",
+        "tests",
+    ];
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let stray: Vec<String> = fs::read_dir(root)
+        .expect("a readable folder")
+        .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
+        .filter(|name| !name.starts_with('.') && !planned.contains(&name.as_str()))
+        .collect();
+    assert!(stray.is_empty(), "at the top level and not in the plan: {}", stray.join(", "));
+}
