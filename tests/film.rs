@@ -69,13 +69,14 @@ fn frame() -> Frame {
         let [x, z] = place(number);
         Instance { model: 3, transform: at(4.0 * x - 2.0, 0.0, 4.0 * z), leaf: None }
     };
-    let wood = Wood { form: 1, crowns: 2, distance: 60.0, height: 9.0, repeats: 9, bareness: 0.2 };
+    let wood = Wood { form: 1, crowns: 2, horizons: 3, distance: 60.0, height: 9.0, repeats: 9, bareness: 0.2 };
     Frame {
         meshes: vec![square().into()],
         textures: vec![
             texture("ground", |i| [60 + i, 70 + i, 30]),
             texture("form", |i| [100 + 2 * i, 128, 140]),
             texture("crowns", |i| [128 + i, 200, 90 + i]),
+            texture("horizons", |i| [128 + i, 190 - i, 150 + i]),
         ],
         materials,
         models: (0..4).map(model).collect(),

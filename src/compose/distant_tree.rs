@@ -112,8 +112,8 @@ impl Form {
     /// Boughs of a tree, branches of a bough and small lobes on a bough's lobe.
     fn counts(self) -> [u32; 3] {
         match self {
-            Self::Broad => [24, 13, 8],
-            Self::Tall => [24, 12, 6],
+            Self::Broad => [34, 10, 8],
+            Self::Tall => [34, 9, 6],
             Self::Narrow => [20, 8, 4],
             Self::Spire => [84, 0, 0],
             Self::Bush => [4, 7, 5],
@@ -174,8 +174,8 @@ impl Tree {
                 }
                 Form::Narrow => (girth * random.range(0.2, 0.6), (0.5 * tree.width).max(0.5), 1.3),
                 _ => {
-                    let reach = tree.width * random.range(0.22, 0.38) * (0.5 + 0.5 * girth / tree.width);
-                    (girth * random.range(0.10, 0.80), reach, 0.75)
+                    let reach = tree.width * random.range(0.20, 0.36) * (0.35 + 0.65 * girth / tree.width);
+                    (girth * random.range(0.15, 0.85), reach, 0.75)
                 }
             };
             let y = if tree.form == Form::Spire { y } else { (y - 0.4 * reach).max(0.25 * reach) };
@@ -245,24 +245,25 @@ impl Tree {
         let bottom = self.bole * self.height;
         let up = ((y - bottom) / (self.height - bottom)).clamp(0.0, 1.0);
         let aside = ((x - self.trunk_at(y)) / self.width).clamp(-1.0, 1.0);
-        let towards = ((depth - self.depth) / self.width).clamp(-1.0, 1.0);
+        // A crown turns from its top, some boughs before others.
+        let kind = (self.kind + 0.18 * (up - 0.5) + 0.6 * (own - 1.0)).clamp(0.0, 1.0);
         // The crown's top is in the open, its inside and its foot are not; tops rise over the neighbours' shade.
         let open = self.open + (1.0 - self.open) * up * up;
-        let light = (0.56 + 0.44 * up) * (0.86 + 0.14 * towards) * (1.0 - 0.14 * aside * aside) * open * own;
+        let light = (0.80 + 0.20 * up) * open * own;
         Lobe {
             middle: [x as f32, y.min(self.height) as f32, depth as f32],
             radii: radii.map(|radius| radius as f32),
-            normal: [(0.50 * aside) as f32, (0.60 * up - 0.10) as f32],
-            kind: if self.form == Form::Spire { -1.0 } else { self.kind as f32 },
+            normal: [(0.60 * aside) as f32, (0.60 * up - 0.10) as f32],
+            kind: if self.form == Form::Spire { -1.0 } else { kind as f32 },
             light: light.clamp(0.05, 1.0) as f32,
         }
     }
 
     /// Where a branch of a bough ends: its height along the bough's reach is up, its way out level.
     fn tip(&self, bough: &Bough, random: &mut Stream) -> [f64; 3] {
-        let (up, turn) = (random.range(-0.55, 1.0), random.range(0.0, TAU));
-        let level = (1.0 - up * up).sqrt() * random.range(0.3, 1.35) * bough.reach;
-        let y = bough.middle[1] + up * bough.reach * 0.66 * random.range(0.6, 1.3);
+        let (up, turn) = (random.range(-0.25, 1.0), random.range(0.0, TAU));
+        let level = (1.0 - up * up).sqrt() * random.range(0.3, 1.25) * bough.reach;
+        let y = bough.middle[1] + up * bough.reach * 0.85 * random.range(0.6, 1.4);
         [bough.middle[0] + level * sin(turn), y.min(self.height), bough.middle[2] + level * sin(turn + 0.25 * TAU)]
     }
 

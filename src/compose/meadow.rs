@@ -67,8 +67,9 @@ impl Stock {
             ground.cover.push(Instance { model, transform: Affine::identity(), leaf: None });
         }
         if is_open && scene.ground.wood {
-            let slots = ["wood_form", "wood_crowns"].map(|name| self.push_texture(wood_edge::placeholder(name)));
-            ground.wood = Some(wood_edge::wood(slots[0], slots[1]));
+            let slots = ["wood_form", "wood_crowns", "wood_horizons"]
+                .map(|name| self.push_texture(wood_edge::placeholder(name)));
+            ground.wood = Some(wood_edge::wood(slots));
             self.wood_edge = Some(wood_edge::Edge::new(scene.seed, slots, view::pixel(scene)));
         }
         self.ground = Some(ground);

@@ -37,6 +37,7 @@ mod view;
 mod white_balance;
 mod wood_canvas;
 mod wood_edge;
+mod wood_horizons;
 
 pub use falls::{Dropped, Fall, Falls, Look, Ways};
 pub use leaf_area::blade_area;

@@ -162,7 +162,7 @@ impl Band<'_> {
         // Each lobe has the relief from a place of its own, or they would all fray alike.
         let bits = hash(x.to_bits().into(), y.to_bits().into()) as usize;
         let (texel, [per_wide, per_tall]) = (self.grid.texel, lobe.radii.map(|radius| 1.0 / radius));
-        let hidden = lobe.middle[2] + wide + 0.15;
+        let hidden = lobe.middle[2] + wide + 0.4;
         for row in rows {
             let up = ((row as f32 + 0.5) * texel - y) * per_tall;
             let half = wide * (reach * reach - up * up).max(0.0).sqrt();
@@ -190,17 +190,17 @@ impl Band<'_> {
         }
         let own = self.texel(column, row);
         let dome = (1.0 - squared / (reach * reach)).max(0.0).sqrt();
-        let depth = depth + wide * dome + 0.3 * (tuft.height - 0.5);
+        let depth = depth + wide * dome + 0.8 * (tuft.height - 0.5);
         if own.leaves > CLOSED && own.depth >= depth {
             return;
         }
-        let normal = |k: usize, place: f32| lobe.normal[k] + 0.50 * place + 0.55 * tuft.slope[k];
+        let normal = |k: usize, place: f32| lobe.normal[k] + 0.50 * place + 0.85 * tuft.slope[k];
         own.add(&Texel {
             depth,
             normal: [normal(0, across), normal(1, up)],
             kind: lobe.kind,
             // Under a lobe and between tufts one looks into the shade.
-            light: lobe.light * (0.80 + 0.20 * up.clamp(-1.0, 1.0)) * (0.40 + 0.85 * tuft.height).min(1.1),
+            light: lobe.light * (0.40 + 0.85 * tuft.height).min(1.1),
             leaves: covered,
             wood: 0.0,
         });

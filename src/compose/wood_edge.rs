@@ -5,6 +5,7 @@
 use super::distant_tree::{Form, Stroke, Tree};
 use super::foliage_relief::Relief;
 use super::wood_canvas::{Canvas, Grid, Mark};
+use super::wood_horizons::horizons;
 use crate::base::maths::{expf, mix, sin};
 use crate::base::noise::{Lattice, fade};
 use crate::base::random::{Purpose, Stream, hash};
@@ -36,19 +37,19 @@ const BUSHES: f64 = 1.9;
 /// Stems that stand deeper in the wood, seen where it is bare.
 const STEMS: u64 = 420;
 
-/// The textures of form and of crowns, painted when a frame first shows them.
+/// The textures of form, of crowns and of their horizons, painted when a frame first shows them.
 #[derive(Default)]
 pub(super) struct Edge {
     /// Numbers that they have in a frame.
-    slots: [u32; 2],
+    slots: [u32; 3],
     seed: u64,
     halvings: u32,
-    painted: OnceLock<[Arc<Texture>; 2]>,
+    painted: OnceLock<[Arc<Texture>; 3]>,
 }
 
 impl Edge {
     /// The edge whose textures are to have these numbers, for pictures whose pixels span an angle, radians.
-    pub(super) fn new(seed: u64, slots: [u32; 2], pixel: f64) -> Self {
+    pub(super) fn new(seed: u64, slots: [u32; 3], pixel: f64) -> Self {
         Self { slots, seed, halvings: halvings(pixel), ..Self::default() }
     }
 
@@ -73,23 +74,25 @@ pub(super) fn placeholder(name: &str) -> Texture {
 }
 
 /// The edge with the numbers of its textures.
-pub(super) fn wood(form: u32, crowns: u32) -> Wood {
+pub(super) fn wood([form, crowns, horizons]: [u32; 3]) -> Wood {
     let height = (HEIGHT as f64 * TEXEL) as f32;
-    Wood { form, crowns, distance: DISTANCE as f32, height, repeats: REPEATS, bareness: 0.0 }
+    Wood { form, crowns, horizons, distance: DISTANCE as f32, height, repeats: REPEATS, bareness: 0.0 }
 }
 
-/// The textures of form and of crowns.
-fn painted(seed: u64, halvings: u32) -> [Texture; 2] {
+/// The textures of form, of crowns and of their horizons.
+fn painted(seed: u64, halvings: u32) -> [Texture; 3] {
     let canvas = drawn(seed, halvings);
     let code = |value: f32| (128.0 + 127.0 * value.clamp(-1.0, 1.0)) as u8;
-    let of = |part: &str, pixels: Vec<[u8; 3]>| {
-        let (width, height) = (canvas.grid.width as u32, canvas.grid.height as u32);
+    let of = |part: &str, [width, height]: [usize; 2], pixels: Vec<[u8; 3]>| {
+        let (width, height) = (width as u32, height as u32);
         Texture { name: format!("wood_{part}"), width, height, pixels: pixels.into(), repeat: true }
     };
-    let texels = || canvas.texels.iter();
+    let (texels, size) = (|| canvas.texels.iter(), [canvas.grid.width, canvas.grid.height]);
+    let (coarse, horizons) = horizons(&canvas);
     [
-        of("form", texels().map(|texel| [texel.leaves, texel.normal[0], texel.normal[1]].map(code)).collect()),
-        of("crowns", texels().map(|texel| [texel.kind, texel.light, texel.wood].map(code)).collect()),
+        of("form", size, texels().map(|texel| [texel.leaves, texel.normal[0], texel.normal[1]].map(code)).collect()),
+        of("crowns", size, texels().map(|texel| [texel.kind, texel.light, texel.wood].map(code)).collect()),
+        of("horizons", coarse, horizons.into_iter().map(|sines| sines.map(code)).collect()),
     ]
 }
 
@@ -115,7 +118,7 @@ fn stand(seed: u64) -> Vec<Tree> {
         // What stays green stands before the others: it is seen when they are bare.
         let row = if form == Form::Spire { 0 } else { row };
         let depth = -(row as f64) * ROW_DEPTH - random.range(0.0, 3.5) + if form == Form::Spire { 8.0 } else { 0.0 };
-        let open = [1.0, 0.80, 0.64, 0.52][row as usize];
+        let open = [1.0, 0.92, 0.85, 0.80][row as usize];
         Tree { open, ..Tree::new(seed, number, [x, depth], mean, form) }
     };
     let bush = |number: u64| {
@@ -259,7 +262,7 @@ mod tests {
 
     #[test]
     fn repeats_close_the_circle() {
-        let wood = wood(0, 1);
+        let wood = wood([0, 1, 2]);
         let around = f64::from(wood.repeats) * WIDTH as f64 * TEXEL;
         assert!((around / (TAU * f64::from(wood.distance)) - 1.0).abs() < 1e-6);
     }

@@ -199,6 +199,9 @@ pub struct Wood {
     /// Number of the texture of the tree's kind (0..1 from the last to turn and shed to the first, -1 for what stays green), of
     /// the share of light that comes to its leaves (0..1), and of what wood covers behind them (0..1).
     pub crowns: u32,
+    /// Number of the texture of how high other crowns stand before a place: the sines of their horizons over the edge's plane to
+    /// the left, above and to the right, 0..1.
+    pub horizons: u32,
     /// Distance of the edge, metres.
     pub distance: f32,
     /// Height that the textures span, metres.

@@ -3,21 +3,12 @@
 
 use super::Prepared;
 use super::texture::{MipMap, optics};
-use crate::base::maths::{acosf, atan2f, expf, mix, smooth_step};
+use crate::base::maths::{atan2f, expf, mix, smooth_step};
 use crate::base::noise::{Lattice, Nodes};
 use crate::base::vector::{Vec2, Vec3};
 use crate::frame::{Frame, Wood};
 use std::f32::consts::PI;
 use std::sync::Arc;
-
-/// Share of the sky's light that reaches the deepest shade between crowns (judged).
-const DEEP: f32 = 0.28;
-/// How far around its rim sunlight creeps over a crown, whose leaves lie all ways (judged).
-const AROUND: f32 = 0.15;
-/// Share of single scattering that leaves a crown again from between its leaves, with what is scattered more than once (judged).
-const OUT: f32 = 1.75;
-/// Light that comes to bare wood, and how much of it leaves take.
-const WOOD_LIGHT: [f32; 2] = [0.74, 0.45];
 
 /// How much farther a second wood stands behind the first, on rising ground.
 const FAR: f32 = 3.4;
@@ -40,12 +31,12 @@ const FEATHER: f32 = 0.10;
 const VARIED: u32 = 89;
 /// Least height of trees over that of the texture.
 const LOWEST: f32 = 0.74;
-/// Reflectances of wood, of the trees that turn last and first (linear, judged).
-const BARE: [[f32; 3]; 2] = [[0.104, 0.086, 0.074], [0.142, 0.112, 0.086]];
+/// How high crowns stand before others when their leaves are gone, over how high they stood.
+const THIN: f32 = 0.35;
 /// Reflectance of conifers' crowns (linear, judged).
 const EVERGREEN: [f32; 3] = [0.062, 0.082, 0.030];
 /// Tints of the kinds of trees, on the frame's own foliage.
-const TINTS: [[f32; 3]; 3] = [[0.90, 0.93, 0.80], [1.08, 1.03, 0.82], [1.26, 1.12, 0.78]];
+const TINTS: [[f32; 3]; 3] = [[0.80, 0.88, 0.86], [1.06, 1.03, 0.82], [1.34, 1.14, 0.72]];
 /// Steps between the kinds whose colours are kept.
 const STEPS: usize = 64;
 
@@ -63,7 +54,7 @@ pub(super) struct Noises {
 }
 
 /// Reflectance and transmittance.
-type Optics = ([f32; 3], [f32; 3]);
+pub(super) type Optics = ([f32; 3], [f32; 3]);
 
 /// Reflectance and transmittance of the crowns of a season, and how many of the leaves have fallen.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -112,7 +103,7 @@ impl Palette {
     }
 
     /// Reflectance and transmittance of leaves of a kind, 0..1, and of what stays green, -1.
-    fn leaves(&self, kind: f32) -> Optics {
+    pub(super) fn leaves(&self, kind: f32) -> Optics {
         let place = kind.clamp(0.0, 1.0) * STEPS as f32;
         let first = (place as usize).min(STEPS - 1);
         let evergreen = smooth_step(0.15, 0.45, -kind);
@@ -182,8 +173,8 @@ fn mean_of(frame: &Frame, textures: &[Arc<MipMap>], counts: &[u64]) -> ([f32; 3]
 }
 
 /// A ray towards the horizon.
-struct Look {
-    direction: Vec3,
+pub(super) struct Look {
+    pub direction: Vec3,
     /// Share of the way around the horizon.
     around: f32,
     /// Rise over level distance.
@@ -202,7 +193,7 @@ impl Prepared<'_> {
             return behind;
         }
         self.reads.borrow_mut().wood = true;
-        let around = atan2f(-direction.x, -direction.z) / (2.0 * PI) + 0.5;
+        let around = atan2f(direction.x, -direction.z) / (2.0 * PI) + 0.5;
         let look = Look { direction, around, slope, pixel: 1.0 / self.projection.pixels_per_metre };
         let free = above_hem(&mut self.horizon.borrow_mut().hem, around, height, look.pixel * wood.distance);
         let trees = if free > 0.0 { self.trees(wood, &look, behind) } else { behind };
@@ -270,54 +261,18 @@ impl Prepared<'_> {
         if covered <= 0.002 {
             return (0.0, [0.0; 3]);
         }
-        let crown = if leaves > 0.0 { self.lit_crown(look, [right, up], kind, light) } else { [0.0; 3] };
-        let stems = if leaves < 0.99 { self.lit_wood(look, kind, wood.bareness) } else { [0.0; 3] };
+        let horizons = self.textures[wood.horizons as usize].sample(uv, footprint).map(|sine| sine.clamp(0.0, 1.0));
+        let horizons = horizons.map(|sine| sine * mix(THIN, 1.0, hanging));
+        let crown = if leaves > 0.0 { self.lit_crown(look, [right, up], (kind, light), horizons) } else { [0.0; 3] };
+        let stems = if leaves < 0.99 { self.lit_wood(look, kind, horizons) } else { [0.0; 3] };
         let lit = std::array::from_fn(|k| mix(stems[k], crown[k], leaves / covered));
         (covered, self.atmosphere.hazed(lit, look.direction * distance))
-    }
-
-    /// Radiance of a crown's piece with the parts of its normal to the right and up: single scattering in a deep layer of leaves
-    /// that lie all ways, 2 mu0 / (mu0 + mu) times their phase function (Ross 1981).
-    fn lit_crown(&self, look: &Look, [right, up]: [f32; 2], kind: f32, light: f32) -> [f32; 3] {
-        let (reflected, transmitted) = self.atmosphere.wood.leaves(kind);
-        let towards = look.towards();
-        let facing = (1.0 - right * right - up * up).max(0.06).sqrt();
-        let normal = (Vec3::y().cross(&towards) * right + Vec3::y() * up + towards * facing).normalize();
-        let in_cosine = ((1.0 - AROUND) * normal.dot(&self.frame.sun.direction) + AROUND).max(0.0);
-        let out_cosine = normal.dot(&towards).max(0.15);
-        let cosine = -self.frame.sun.direction.dot(&look.direction).clamp(-1.0, 1.0);
-        let (sine, angle) = ((1.0 - cosine * cosine).sqrt(), PI - acosf(cosine));
-        let [sent_back, let_through] = [sine + angle * cosine, sine - (PI - angle) * cosine];
-        let met = OUT * 2.0 * in_cosine / (in_cosine + out_cosine) / PI * light;
-        let sun = self.frame.sun.irradiance.map(|e| e * self.atmosphere.sun_share() * met);
-        let ambient = self.atmosphere.open.irradiance(normal);
-        // What is dark is lit by leaves: sky light that has come through and off others, in their colour.
-        let inside = DEEP * (1.0 - light);
-        std::array::from_fn(|k| {
-            let of_sun = (reflected[k] * sent_back + transmitted[k] * let_through) * sun[k];
-            let of_sky = (0.8 * reflected[k] + 0.35 * transmitted[k]) * ambient[k] * light * (0.3 + 0.7 * light);
-            (of_sun + of_sky + (reflected[k] + transmitted[k]) * ambient[k] * inside) / PI
-        })
-    }
-
-    /// Radiance of stems and twigs, which stand upright and are round.
-    fn lit_wood(&self, look: &Look, kind: f32, bareness: f32) -> [f32; 3] {
-        let normal = (look.towards() + Vec3::y() * 0.1).normalize();
-        let cosine = normal.dot(&self.frame.sun.direction);
-        let light = WOOD_LIGHT[0] * (1.0 - WOOD_LIGHT[1] * (1.0 - bareness));
-        let front = (0.75 * cosine + 0.25).max(0.0) * self.atmosphere.sun_share();
-        let ambient = self.atmosphere.open.irradiance(normal);
-        let share = (kind * 3.7).abs().fract();
-        std::array::from_fn(|k| {
-            let bark = mix(BARE[0][k], BARE[1][k], share);
-            bark * light * (self.frame.sun.irradiance[k] * front + ambient[k]) / PI
-        })
     }
 }
 
 impl Look {
     /// The level direction from the wood to the eye.
-    fn towards(&self) -> Vec3 {
+    pub(super) fn towards(&self) -> Vec3 {
         Vec3::new(-self.direction.x, 0.0, -self.direction.z).normalize()
     }
 }

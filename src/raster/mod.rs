@@ -44,6 +44,7 @@ mod texture;
 mod tile;
 mod tone;
 mod wireframe;
+mod wood_light;
 
 use crate::base::figures::{ErrorFigure, Figures};
 use crate::base::noise::Nodes;
@@ -221,7 +222,8 @@ fn of_surroundings(frame: &Frame) -> impl Iterator<Item = u32> {
 
 /// The textures of ground, sky and distance that hold plain numbers.
 fn of_plain_numbers(frame: &Frame) -> impl Iterator<Item = u32> {
-    let wood = frame.ground.iter().filter_map(|ground| ground.wood).flat_map(|wood| [wood.form, wood.crowns]);
+    let wood =
+        frame.ground.iter().filter_map(|ground| ground.wood).flat_map(|wood| [wood.form, wood.crowns, wood.horizons]);
     wood.chain(frame.sky.clouds.iter().map(|clouds| clouds.texture))
 }
 
