@@ -258,11 +258,12 @@ impl Prepared<'_> {
     ) -> [f32; 3] {
         let mean = self.textures[ground.texture as usize].mean();
         let nodes = &mut *self.nodes.borrow_mut();
-        let [middle, small] = [(4.3, 4, 0), (1.15, 3, 1)]
+        let [middle, small, clumps, tufts] = [(4.3, 4, 0), (1.15, 3, 1), (0.38, 6, 4), (0.13, 7, 5)]
             .map(|(size, salt, kept)| patches_by(&mut nodes[kept], place / size, salt, long / size));
-        let light = patches.light + 0.46 * middle + 0.42 * small + TUFTS * upright;
+        let light = patches.light + 0.40 * middle + 0.34 * small + 0.34 * clumps + 0.30 * tufts + TUFTS * upright;
         let grass = ground.blades * (1.0 - patches.worn);
-        let straw = STRAWY + patches.dry + 0.70 * (small - 0.7 * middle) + 0.25 * upright + ground.dormant * 0.58;
+        let patchy = 0.58 * small - 0.40 * middle + 0.50 * clumps + 0.36 * tufts;
+        let straw = STRAWY + patches.dry + patchy + 0.25 * upright + ground.dormant * 0.58;
         let straw = straw.clamp(0.0, 1.0) * grass;
         std::array::from_fn(|k| {
             let textured = detail[k] * light;

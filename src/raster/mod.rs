@@ -94,7 +94,7 @@ struct Prepared<'a> {
     shared: &'a Shared<'a>,
     reads: RefCell<Reads>,
     /// Of the noises of the ground, about its last place.
-    nodes: RefCell<[Nodes; 4]>,
+    nodes: RefCell<[Nodes; 6]>,
     /// Of those of the horizon.
     horizon: RefCell<Noises>,
 }
