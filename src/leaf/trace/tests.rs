@@ -187,7 +187,7 @@ fn the_spline_through_millimetres_is_the_one_through_pixels() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn no_picture_panics(
