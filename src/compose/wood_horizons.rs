@@ -2,7 +2,7 @@
 //! right, so that a picture can tell where the sun's light ends on it and how much of the sky it sees (Max 1988, "Horizon
 //! mapping: shadows for bump-mapped surfaces").
 
-use super::wood_canvas::{Canvas, Grid};
+use super::wood_canvas::{Canvas, Grid, Texel};
 use rayon::prelude::*;
 
 /// Steps along the edge for one up, in texels of the horizons: to the left, up, to the right.
@@ -39,21 +39,16 @@ fn depths(canvas: &Canvas) -> ([usize; 2], Vec<f32>) {
     let size = [width / COARSER, height / COARSER];
     let mean = |place: usize| {
         let (column, row) = (place % size[0] * COARSER, place / size[0] * COARSER);
-        let (mut sum, mut count) = (0.0, 0.0);
-        for row in row..row + COARSER {
-            for texel in &canvas.texels[row * width + column..][..COARSER] {
-                let depth = if texel.leaves > 0.5 { texel.depth.max(BEHIND) } else { BEHIND };
-                (sum, count) = (sum + depth, count + 1.0);
-            }
-        }
-        sum / count
+        let rows = (row..row + COARSER).map(|row| &canvas.texels[row * width + column..][..COARSER]);
+        let depth = |texel: &Texel| if texel.leaves > 0.5 { texel.depth.max(BEHIND) } else { BEHIND };
+        rows.flatten().map(depth).sum::<f32>() / (COARSER * COARSER) as f32
     };
     (size, (0..size[0] * size[1]).into_par_iter().map(mean).collect())
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::wood_canvas::{EMPTY, Texel};
+    use super::super::wood_canvas::EMPTY;
     use super::*;
 
     /// A wall that stands before another from a column on, metres: 256 texels of half a metre along, 32 up, and 60 columns on no more.

@@ -261,8 +261,8 @@ impl Prepared<'_> {
         if covered <= 0.002 {
             return (0.0, [0.0; 3]);
         }
-        let horizons = self.textures[wood.horizons as usize].sample(uv, footprint).map(|sine| sine.clamp(0.0, 1.0));
-        let horizons = horizons.map(|sine| sine * mix(THIN, 1.0, hanging));
+        let horizons = self.textures[wood.horizons as usize].sample(uv, footprint);
+        let horizons = horizons.map(|sine| sine.clamp(0.0, 1.0) * mix(THIN, 1.0, hanging));
         let crown = if leaves > 0.0 { self.lit_crown(look, [right, up], (kind, light), horizons) } else { [0.0; 3] };
         let stems = if leaves < 0.99 { self.lit_wood(look, kind, horizons) } else { [0.0; 3] };
         let lit = std::array::from_fn(|k| mix(stems[k], crown[k], leaves / covered));

@@ -1,7 +1,8 @@
 //! The level ground, and what of it is seen on uneven ground and behind blades of grass.
 
 use super::Prepared;
-use crate::base::maths::{acosf, asinf, log2f, mix, smooth_step};
+use super::phase::phase;
+use crate::base::maths::{asinf, log2f, mix, smooth_step};
 use crate::base::noise::{Lattice, Nodes};
 use crate::base::random::hash;
 use crate::base::vector::{Vec2, Vec3};
@@ -304,12 +305,7 @@ impl Prepared<'_> {
         if in_cosine <= 0.0 {
             return 0.0;
         }
-        // The angle between the ways that light comes and goes: 0 for light that goes on, pi for light sent back.
-        let cosine = -sun.dot(&ray).clamp(-1.0, 1.0);
-        let angle = PI - acosf(cosine);
-        let sine = (1.0 - cosine * cosine).sqrt();
-        let sent_back = sine + angle * cosine;
-        let let_through = sine - (PI - angle) * cosine;
+        let [sent_back, let_through] = phase(sun, ray);
         SWARD * 2.0 * in_cosine / (in_cosine + out_cosine) * (sent_back + BLADE * let_through) / PI
     }
 }

@@ -29,6 +29,7 @@ mod last;
 mod layers;
 mod metering;
 mod open_sky;
+mod phase;
 mod projection;
 mod quadric;
 mod reads;

@@ -2,7 +2,8 @@
 
 use super::Prepared;
 use super::distant_wood::Look;
-use crate::base::maths::{acosf, mix, smooth_step};
+use super::phase::phase;
+use crate::base::maths::{mix, smooth_step};
 use crate::base::vector::Vec3;
 use std::f32::consts::PI;
 
@@ -38,28 +39,24 @@ impl Prepared<'_> {
         let (reflected, transmitted) = self.atmosphere.wood.leaves(kind);
         let towards = look.towards();
         let facing = (1.0 - right * right - up * up).max(0.06).sqrt();
-        let rightwards = Vec3::y().cross(&towards);
-        let normal = (rightwards * right + Vec3::y() * up + towards * facing).normalize();
+        let normal = (Vec3::y().cross(&towards) * right + Vec3::y() * up + towards * facing).normalize();
         let sun = self.frame.sun.direction;
         let in_cosine = ((1.0 - AROUND) * normal.dot(&sun) + AROUND).max(0.0);
         let out_cosine = normal.dot(&towards).max(0.15);
-        let cosine = -sun.dot(&look.direction).clamp(-1.0, 1.0);
-        let (sine, angle) = ((1.0 - cosine * cosine).sqrt(), PI - acosf(cosine));
-        let [sent_back, let_through] = [sine + angle * cosine, sine - (PI - angle) * cosine];
-        let met = OUT * 2.0 * in_cosine / (in_cosine + out_cosine) / PI * light;
-        let met = met * sunlit([sun.dot(&rightwards), sun.y, sun.dot(&towards)], horizons);
-        let sun = self.frame.sun.irradiance.map(|e| e * self.atmosphere.sun_share() * met);
+        let [sent_back, let_through] = phase(sun, look.direction);
+        let scattered = OUT * 2.0 * in_cosine / (in_cosine + out_cosine) / PI * light;
+        let scattered = scattered * self.sunlit(towards, horizons);
+        let disc = self.frame.sun.irradiance.map(|e| e * self.atmosphere.sun_share());
         let ambient = self.atmosphere.open.irradiance(normal);
         let open = light * seen_sky(horizons);
-        let around = self.frame.sun.irradiance.map(|e| e * self.atmosphere.sun_share() * AMONG * light);
         let albedo: [f32; 3] = std::array::from_fn(|k| reflected[k] + transmitted[k]);
         let largest = albedo.into_iter().fold(1e-6, f32::max);
         std::array::from_fn(|k| {
-            let of_sun = (reflected[k] * sent_back + transmitted[k] * let_through) * sun[k];
+            let of_sun = (reflected[k] * sent_back + transmitted[k] * let_through) * (disc[k] * scattered);
             // Where no sky is seen, light comes from leaves, in their colour.
             let met = ambient[k] * (open + (1.0 - open) * DEEP * albedo[k] / largest);
             let crown = CROWN * albedo[k];
-            (of_sun + crown * (met + crown * around[k])) / PI
+            (of_sun + crown * (met + crown * (disc[k] * AMONG * light))) / PI
         })
     }
 
@@ -68,13 +65,19 @@ impl Prepared<'_> {
         let towards = look.towards();
         let (sun, normal) = (self.frame.sun.direction, (towards + Vec3::y() * 0.1).normalize());
         let front = (0.75 * normal.dot(&sun) + 0.25).max(0.0) * self.atmosphere.sun_share();
-        let front = front * sunlit([sun.dot(&Vec3::y().cross(&towards)), sun.y, sun.dot(&towards)], horizons);
+        let front = front * self.sunlit(towards, horizons);
         let (ambient, open) = (self.atmosphere.open.irradiance(normal), seen_sky(horizons));
         let share = (kind * 3.7).abs().fract();
         std::array::from_fn(|k| {
             let bark = mix(BARE[0][k], BARE[1][k], share);
             bark * WOOD_LIGHT * (self.frame.sun.irradiance[k] * front + ambient[k] * open) / PI
         })
+    }
+
+    /// Share of the sun's light that comes to a place of the edge under its horizons; `towards` is level, from it to the eye.
+    fn sunlit(&self, towards: Vec3, horizons: [f32; 3]) -> f32 {
+        let sun = self.frame.sun.direction;
+        sunlit([sun.dot(&Vec3::y().cross(&towards)), sun.y, sun.dot(&towards)], horizons)
     }
 }
 
