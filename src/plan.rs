@@ -4,11 +4,12 @@
 
 use crate::base::message::shown;
 use crate::base::random::hash;
-use crate::compose::{BROWN, Falls, Garment, Look, Stand, variant};
+use crate::compose::{BROWN, Falls, Garment, LeafRun, Look, Stand, variant};
 use crate::fall::Fate;
 use crate::scene::image::Leaves;
 use crate::scene::{Scene, Species};
 use crate::season::{BUD, FALLEN, LeafStates};
+use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -123,12 +124,16 @@ pub struct Counted {
 pub fn garments(scene: &Scene, stand: &Stand, states: &LeafStates) -> Vec<Option<Garment>> {
     let on_the_tree: Vec<bool> = states.names.iter().map(|name| !is_off_the_tree(name)).collect();
     let counts: Vec<u32> = scene.species.iter().map(Species::variants).collect();
-    let wears = |((species, &id), &state): ((usize, &u64), &u16)| {
-        let hangs = on_the_tree.get(usize::from(state)).copied().unwrap_or(false);
-        let variant = || variant(scene.seed, id, counts[species]);
-        hangs.then(|| Garment { species: species as u16, state, variant: variant() })
+    let of_run = |LeafRun { form, places, .. }: LeafRun<'_>| {
+        let wears = |(&id, &state): (&u64, &u16)| {
+            let hangs = on_the_tree.get(usize::from(state)).copied().unwrap_or(false);
+            let variant = || variant(scene.seed, id, counts[form.species]);
+            hangs.then(|| Garment { species: form.species as u16, state, variant: variant() })
+        };
+        let leaves = stand.leaf_ids[places.clone()].iter().zip(&states.states[places]);
+        leaves.map(wears).collect::<Vec<_>>()
     };
-    stand.species_of_leaves().zip(&stand.leaf_ids).zip(&states.states).map(wears).collect()
+    stand.leaf_runs().into_par_iter().flat_map_iter(of_run).collect()
 }
 
 /// Whether a leaf in this state shows no leaf on the tree.

@@ -42,7 +42,7 @@ mod wood_horizons;
 pub use falls::{Dropped, Fall, Falls, Look, Ways};
 pub use leaf_area::blade_area;
 pub use litter::BROWN;
-pub use stand::{Form, Stand};
+pub use stand::{Form, LeafRun, Stand};
 pub use texture_size::{largest_blade, largest_texture, texture_size};
 use view::turned;
 
@@ -56,6 +56,7 @@ use crate::scene::{Scene, Species, camera::Subject, ground::Cover, image::Backdr
 use crate::tree::LeafSite;
 use litter::{Lying, Stalks};
 use petiole::Petiole;
+use rayon::prelude::*;
 use stand::Pose;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex};
@@ -352,17 +353,21 @@ impl Stock {
                 instances.push(Instance { model, transform: Pose::of(standing).affine(), leaf: None });
             }
         }
-        let sites = stand.standing().flat_map(|(form, standing)| {
+        let of_run = |LeafRun { form, standing, sites, places }: LeafRun<'_>| {
             let pose = Pose::of(standing);
-            form.sites.iter().map(move |site| (form.species, pose, site))
-        });
-        for ((species, pose, site), (garment, &id)) in sites.zip(worn.iter().zip(&stand.leaf_ids)) {
-            let petiole = Petiole::of(site);
-            if let Some(&model) = garment.and_then(|garment| self.worn.get(&(garment, petiole))) {
-                let transform = placed(site, pose, self.petiole_bases[&(species, petiole)]);
-                instances.push(Instance { model, transform, leaf: Some(id) });
-            }
-        }
+            let leaves = sites.iter().zip(&worn[places.clone()]).zip(&stand.leaf_ids[places]);
+            let instance = |((site, garment), &id): ((&LeafSite, &Option<Garment>), &u64)| {
+                let petiole = Petiole::of(site);
+                let model = *self.worn.get(&((*garment)?, petiole))?;
+                let transform = placed(site, pose, self.petiole_bases[&(form.species, petiole)]);
+                Some(Instance { model, transform, leaf: Some(id) })
+            };
+            leaves.filter_map(instance).collect::<Vec<_>>()
+        };
+        // Without seasons no leaf wears anything.
+        let runs = if worn.is_empty() { Vec::new() } else { stand.leaf_runs() };
+        let parts: Vec<Vec<Instance>> = runs.into_par_iter().map(of_run).collect();
+        parts.into_iter().for_each(|part| instances.extend(part));
         Frame {
             meshes: self.meshes.clone(),
             textures: self.textures_with_wood(),

@@ -6,6 +6,9 @@ use crate::scene::Standing;
 use crate::tree::{LeafSite, Tree, Wood};
 use std::sync::Arc;
 
+/// Most leaves of a run.
+const RUN: usize = 2048;
+
 /// A grown tree that may stand in several places.
 #[derive(Clone, Debug)]
 pub struct Form {
@@ -84,6 +87,20 @@ impl Stand {
         self.standing().flat_map(|(form, _)| std::iter::repeat_n(form.species, form.sites.len()))
     }
 
+    /// All leaves in their order, in runs that may be handled side by side.
+    #[must_use]
+    pub fn leaf_runs(&self) -> Vec<LeafRun<'_>> {
+        let mut runs = Vec::new();
+        let mut first = 0;
+        for (form, standing) in self.standing() {
+            for sites in form.sites.chunks(RUN) {
+                runs.push(LeafRun { form, standing, sites, places: first..first + sites.len() });
+                first += sites.len();
+            }
+        }
+        runs
+    }
+
     /// Trees of a species.
     #[must_use]
     pub fn trees_of(&self, species: usize) -> usize {
@@ -95,6 +112,18 @@ impl Stand {
     pub fn height(&self) -> f64 {
         self.standing().map(|(form, _)| form.height).fold(0.0, f64::max)
     }
+}
+
+/// Some leaves of a tree that one task handles.
+pub struct LeafRun<'a> {
+    /// The tree's form.
+    pub form: &'a Form,
+    /// Where it stands.
+    pub standing: &'a Standing,
+    /// The leaves' sites.
+    pub sites: &'a [LeafSite],
+    /// Places of the leaves among all of the stand, in the order of the ids.
+    pub places: std::ops::Range<usize>,
 }
 
 /// From a tree's own coordinates to the world's: a turn about the vertical, then a step over the ground.
