@@ -4,10 +4,12 @@
 //! To bless a change: look at the new picture under `target/golden/`, then `LEAFSEASON_BLESS=NAME cargo test --test golden`
 //! (`all` for every one). Blessing writes the golden and still fails, so that no automatic run can bless.
 
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder};
 use leafseason::base::limits::Limits;
 use leafseason::base::picture::Picture;
 use leafseason::run::{self, Options, progress, signals::Signals};
-use leafseason::{export, scene};
+use leafseason::scene;
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -73,7 +75,13 @@ fn decoded(path: &Path) -> Picture {
 
 fn write_png(path: &Path, picture: &Picture) {
     fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
-    fs::write(path, export::png(picture).expect("a picture")).expect("written");
+    // As small as can be, for the repository.
+    let opaque = picture.pixels.iter().all(|pixel| pixel[3] == 255);
+    let (kind, channels) = if opaque { (ExtendedColorType::Rgb8, 3) } else { (ExtendedColorType::Rgba8, 4) };
+    let bytes: Vec<u8> = picture.pixels.iter().flat_map(|pixel| &pixel[..channels]).copied().collect();
+    let file = fs::File::create(path).expect("a file");
+    let encoder = PngEncoder::new_with_quality(file, CompressionType::Best, FilterType::Adaptive);
+    encoder.write_image(&bytes, picture.width, picture.height, kind).expect("written");
 }
 
 /// Expected, difference times eight, actual, side by side.
