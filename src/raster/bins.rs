@@ -96,19 +96,21 @@ impl Bins {
             .collect();
         let mut items = Vec::with_capacity(chunks.iter().map(Vec::len).sum());
         chunks.into_iter().for_each(|chunk| items.extend(chunk));
-        let mut tiles = vec![Vec::new(); columns * rows];
+        let mut keyed = vec![Vec::new(); columns * rows];
         for (number, item) in items.iter().enumerate() {
             let [left, top, right, bottom] = item.bounds.map(|edge| edge as usize / SIDE);
+            let key = u64::from(place_by_nearness(item.nearness)) << 32 | number as u64;
             for row in top..=bottom {
                 for column in left..=right {
-                    tiles[row * columns + column].push(number as u32);
+                    keyed[row * columns + column].push(key);
                 }
             }
         }
-        let nearest_first =
-            |a: &u32, b: &u32| items[*b as usize].nearness.total_cmp(&items[*a as usize].nearness).then(a.cmp(b));
-        tiles.par_iter_mut().for_each(|tile: &mut Vec<u32>| tile.sort_unstable_by(nearest_first));
-        Self { columns, rows, items, tiles }
+        let nearest_first = |mut keys: Vec<u64>| {
+            keys.sort_unstable();
+            keys.into_iter().map(|key| key as u32).collect()
+        };
+        Self { columns, rows, items, tiles: keyed.into_par_iter().map(nearest_first).collect() }
     }
 
     /// Whether a tile, by its number, holds the same items in the same order as it does in other bins.
@@ -123,6 +125,13 @@ impl Bins {
     pub(super) fn tile(&self, column: usize, row: usize) -> &[u32] {
         &self.tiles[row * self.columns + column]
     }
+}
+
+/// A number that falls as a nearness grows, over all of its range.
+fn place_by_nearness(nearness: f32) -> u32 {
+    let bits = nearness.to_bits();
+    // Floats of one sign are in order by their bits, negative ones the other way round.
+    if bits >> 31 == 0 { !(bits | 1 << 31) } else { bits }
 }
 
 /// The part of a box that lies in a picture whose last column and row are `limits`; none when nothing does.
@@ -201,6 +210,13 @@ mod tests {
     use crate::base::mesh::Mesh;
     use crate::base::vector::Vec2;
     use crate::frame::Camera;
+
+    #[test]
+    fn what_is_nearer_comes_first() {
+        let steps = [f32::MIN, -3.0, -1e-30, -0.0, 0.0, 1e-30, 0.02, 0.5, f32::MAX];
+        let places = steps.map(place_by_nearness);
+        assert!(places.windows(2).all(|pair| pair[0] > pair[1]), "{places:?}");
+    }
 
     #[test]
     fn what_lies_flat_is_held_by_a_flat_box_and_what_is_beside_the_eye_by_one_on_its_side() {

@@ -1,6 +1,8 @@
 //! Meshes cut into clusters: what is binned, transformed and rejected as one. Small meshes have coarser levels besides.
 
-use super::simplify::simplified;
+use super::simplify::{Simplified, simplified};
+use super::spread::Whole;
+use super::tube::shortened;
 use crate::base::mesh::Mesh;
 use crate::base::vector::{Vec2, Vec3};
 
@@ -35,10 +37,10 @@ pub(super) struct Cluster {
 }
 
 /// Triangles of the coarser levels of a small mesh.
-const COARSER: [usize; 10] = [200, 140, 100, 72, 50, 36, 24, 16, 10, 6];
+const COARSER: [usize; 13] = [200, 150, 120, 95, 75, 60, 48, 38, 30, 22, 16, 10, 6];
 
-/// Triangles of the smallest meshes that have coarser levels: stalks.
-const LEAST: usize = 32;
+/// Triangles of the smallest meshes that have coarser levels of any kind, and of the smallest that are no tubes.
+const LEAST: [usize; 2] = [12, 32];
 
 /// A mesh in some number of triangles.
 #[derive(Clone, Debug)]
@@ -77,10 +79,17 @@ impl ClusteredMesh {
         let triangles = if mesh.triangles.len() <= LARGEST { mesh.triangles.clone() } else { gathered(mesh) };
         let full = triangles.chunks(size).map(|part| cut(mesh, part)).collect();
         let mut levels = vec![Level { clusters: full, error: 0.0 }];
-        if (LEAST..=LARGEST).contains(&mesh.triangles.len()) {
-            for version in simplified(mesh, &COARSER) {
-                let clusters = vec![cut(mesh, &version.triangles)];
-                levels.push(Level { clusters, error: version.error as f32 });
+        if (LEAST[0]..=LARGEST).contains(&mesh.triangles.len()) {
+            let coarser: Vec<(Mesh, f64)> = match shortened(mesh) {
+                Some(versions) => versions.into_iter().map(|version| alike(mesh, version)).collect(),
+                None if mesh.triangles.len() < LEAST[1] => Vec::new(),
+                None => {
+                    let whole = Whole::new(mesh);
+                    simplified(mesh, &COARSER).into_iter().map(|version| whole.spread(version)).collect()
+                }
+            };
+            for (coarse, error) in coarser {
+                levels.push(Level { clusters: vec![cut(&coarse, &coarse.triangles)], error: error as f32 });
             }
         }
         Self { levels, area, uv_per_metre }
@@ -100,6 +109,11 @@ impl ClusteredMesh {
     pub(super) fn level_within(&self, tolerance: f32) -> usize {
         self.levels.iter().rposition(|level| level.error <= tolerance).unwrap_or(0)
     }
+}
+
+/// A version whose vertices are where they were.
+fn alike(mesh: &Mesh, version: Simplified) -> (Mesh, f64) {
+    (Mesh { triangles: version.triangles, ..mesh.clone() }, version.error)
 }
 
 /// The triangles of a mesh in an order in which those that follow one another lie together: along a Morton curve, which

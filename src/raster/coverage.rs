@@ -1,5 +1,7 @@
 //! Which samples of a tile a triangle owns, and which of them it wins by depth.
 
+mod occlusion;
+
 use super::background::Background;
 use super::contest::{Claim, Eight, Pixel};
 use super::samples::{SUBPIXEL, SUBPIXEL_BITS, pattern};
@@ -11,6 +13,8 @@ use fearless_simd::{f32x8, i32x8};
 pub const SIDE: usize = 64;
 /// Pixels along one side of a block, the unit of depth rejection.
 pub(super) const BLOCK: usize = 8;
+/// Samples that are decided at once.
+const LANES: usize = 8;
 /// Blocks along one side of a tile.
 const BLOCKS: usize = SIDE / BLOCK;
 /// Widest triangle, in pixels, whose edge values fit 32 bits: 2 x (64 x 256) x (65 x 256) < 2^31.
@@ -157,40 +161,15 @@ impl<const S: usize> Nearest<S> {
         self.stale = u64::MAX;
     }
 
-    /// Whether something no nearer than `nearness` would be hidden everywhere in a box of pixels (left, top, right,
-    /// bottom; inclusive, inside the tile).
-    pub(super) fn hides(&mut self, bounds: [usize; 4], nearness: f32) -> bool {
-        let [left, top, right, bottom] = bounds.map(|edge| edge / BLOCK);
-        (top..=bottom).all(|row| (left..=right).all(|column| self.block_farthest(row * BLOCKS + column) > nearness))
-    }
-
-    /// Whether a box of pixels in one block lies behind the nearness that all of the block had when it was last looked at;
-    /// since then it can only have come nearer.
+    /// The pixels of the tile (left, top, right, bottom; inclusive) of which a sample may lie in a box (the same, 1/256 pixels); none
+    /// where there are none.
     #[inline(always)]
-    fn is_known_to_hide(&self, bounds: [usize; 4], nearness: f32) -> bool {
-        let [left, top, right, bottom] = bounds;
-        let (left, top, right, bottom) = (left / BLOCK, top / BLOCK, right / BLOCK, bottom / BLOCK);
-        left == right && top == bottom && self.farthest[top * BLOCKS + left] >= nearness
-    }
-
-    fn block_farthest(&mut self, block: usize) -> f32 {
-        if self.bare >> block & 1 == 1 {
-            return self.background.range(corner(block))[0].max(0.0);
-        }
-        if self.stale >> block & 1 == 1 {
-            let first = block / BLOCKS * BLOCK * SIDE + block % BLOCKS * BLOCK;
-            let mut low = [f32::MAX; S];
-            for row in 0..BLOCK {
-                for pixel in &self.nearness[first + row * SIDE..][..BLOCK] {
-                    for (least, value) in low.iter_mut().zip(pixel) {
-                        *least = if value < least { *value } else { *least };
-                    }
-                }
-            }
-            self.farthest[block] = low.iter().copied().fold(f32::MAX, f32::min);
-            self.stale &= !(1 << block);
-        }
-        self.farthest[block]
+    pub(super) fn pixels(&self, [left, top, right, bottom]: [i32; 4]) -> Option<[usize; 4]> {
+        // No sample lies within `margin` of a pixel's sides.
+        let first = |low: i32| (low.wrapping_add(self.margin) >> SUBPIXEL_BITS).max(0);
+        let last = |high: i32| (high.wrapping_sub(self.margin) >> SUBPIXEL_BITS).min(SIDE as i32 - 1);
+        let [left, top, right, bottom] = [first(left), first(top), last(right), last(bottom)];
+        (left <= right && top <= bottom).then_some([left, top, right, bottom].map(|edge| edge as usize))
     }
 
     /// Draws a triangle of either winding; says whether it won a sample.
@@ -201,22 +180,12 @@ impl<const S: usize> Nearest<S> {
         let high_x = a.x.max(b.x).max(c.x);
         let low_y = a.y.min(b.y).min(c.y);
         let high_y = a.y.max(b.y).max(c.y);
-        // No sample lies within `margin` of a pixel's sides.
-        let last = SIDE as i32 - 1;
-        let first = |low: i32| (low.wrapping_add(self.margin) >> SUBPIXEL_BITS).max(0);
-        let left = first(low_x);
-        let top = first(low_y);
-        let right = (high_x.wrapping_sub(self.margin) >> SUBPIXEL_BITS).min(last);
-        let bottom = (high_y.wrapping_sub(self.margin) >> SUBPIXEL_BITS).min(last);
-        if left > right || top > bottom {
-            return false;
-        }
+        let Some(bounds) = self.pixels([low_x, low_y, high_x, high_y]) else { return false };
         let doubled_area = doubled_area(&triangle);
         if doubled_area == 0 {
             return false;
         }
         let positive = if doubled_area > 0 { [a, b, c] } else { [a, c, b] };
-        let bounds = [left as usize, top as usize, right as usize, bottom as usize];
         let high = a.nearness.max(b.nearness).max(c.nearness);
         if self.is_known_to_hide(bounds, high) {
             return false;
@@ -224,7 +193,9 @@ impl<const S: usize> Nearest<S> {
         self.uncover(bounds);
         let narrow = NARROW * SUBPIXEL;
         let is_narrow = high_x.wrapping_sub(low_x) <= narrow && high_y.wrapping_sub(low_y) <= narrow;
-        if is_narrow && S == 1 {
+        let [left, top, right, bottom] = bounds;
+        let is_small = right - left < BLOCK && bottom - top < BLOCK;
+        if is_narrow && (S == 1 || S < LANES && is_small) {
             self.contest_rows(simd, &positive, bounds, owner, doubled_area.abs() as f32)
         } else if is_narrow {
             let plane = Plane::new(&positive, doubled_area.abs() as f32, &self.pattern, [bounds[0], bounds[1]]);
@@ -235,7 +206,7 @@ impl<const S: usize> Nearest<S> {
         }
     }
 
-    /// Eight pixels of one sample at once: what lies beside the box fails at the edges.
+    /// Eight samples of pixels that follow one another at once, where a pixel has fewer: what lies beside the box fails at the edges.
     #[inline(always)]
     fn contest_rows<W: Simd>(
         &mut self,
@@ -245,35 +216,40 @@ impl<const S: usize> Nearest<S> {
         owner: u32,
         doubled_area: f32,
     ) -> bool {
+        let pixels = LANES / S;
         let [left, top, right, bottom] = bounds;
-        let (first, last) = (left / BLOCK, right / BLOCK);
-        let origin = [first * BLOCK, top];
+        let (first, last) = (left / pixels, right / pixels);
+        let origin = [first * pixels, top];
         let plane = Plane::<S>::new(triangle, doubled_area, &self.pattern, origin);
         let edges = Edges::<i32, S>::new(triangle, &self.pattern, origin);
-        let steps = i32x8::from_slice(simd, &[0, 1, 2, 3, 4, 5, 6, 7]);
+        let steps: [i32; LANES] = std::array::from_fn(|lane| (lane / S) as i32);
+        let steps = i32x8::from_slice(simd, &steps);
         let mut start = [steps; 3];
         for k in 0..3 {
-            start[k] = steps * edges.right[k] + edges.samples[k][0].wrapping_add(edges.at[k]);
+            let samples: [i32; LANES] =
+                std::array::from_fn(|lane| edges.samples[k][lane % S].wrapping_add(edges.at[k]));
+            start[k] = steps * edges.right[k] + i32x8::from_slice(simd, &samples);
         }
-        let start_nearness = steps.to_float::<f32x8<W>>() * plane.right + (plane.at + plane.samples[0]);
+        let samples: [f32; LANES] = std::array::from_fn(|lane| plane.at + plane.samples[lane % S]);
+        let start_nearness = steps.to_float::<f32x8<W>>() * plane.right + f32x8::from_slice(simd, &samples);
         let mut won = false;
         for (row, y) in (top..=bottom).enumerate() {
-            for (column, block) in (first..=last).enumerate() {
-                let (down, across) = (row as i32, (column * BLOCK) as i32);
+            for (column, group) in (first..=last).enumerate() {
+                let (down, across) = (row as i32, (column * pixels) as i32);
                 let mut outside = i32x8::splat(simd, 0);
                 for k in 0..3 {
                     let right = edges.right[k].wrapping_mul(across);
                     outside |= start[k] + edges.down[k].wrapping_mul(down).wrapping_add(right);
                 }
-                let value = start_nearness + (plane.right * (column * BLOCK) as f32 + plane.down * row as f32);
-                let part = y * SIDE + block * BLOCK..y * SIDE + block * BLOCK + BLOCK;
+                let value = start_nearness + (plane.right * (column * pixels) as f32 + plane.down * row as f32);
+                let from = (y * SIDE + group * pixels) * S;
                 let eight = Eight {
-                    nearness: &mut self.nearness.as_flattened_mut()[part.clone()],
-                    owner: &mut self.owner.as_flattened_mut()[part],
+                    nearness: &mut self.nearness.as_flattened_mut()[from..from + LANES],
+                    owner: &mut self.owner.as_flattened_mut()[from..from + LANES],
                 };
                 if eight.contest(simd, outside, value, &plane, owner) {
                     won = true;
-                    self.stale |= 1 << (y / BLOCK * BLOCKS + block);
+                    self.stale |= 1 << (y / BLOCK * BLOCKS + group * pixels / BLOCK);
                 }
             }
         }

@@ -98,6 +98,11 @@ fn compute<W: Simd, const S: usize>(
     scratch.won.clear();
     if is_whole {
         scratch.corners.place(simd, projection, map, cluster, corner);
+        let (bounds, high) = scratch.corners.extent(simd);
+        let Some(bounds) = nearest.pixels(bounds) else { return };
+        if nearest.is_behind(simd, bounds, high) {
+            return;
+        }
         let Scratch { corners, won, .. } = scratch;
         for (number, triangle) in cluster.triangles.iter().enumerate() {
             let [a, b, c] = *triangle;
@@ -141,6 +146,26 @@ impl Corners {
     #[inline(always)]
     fn vertex(&self, number: usize) -> Vertex {
         Vertex { x: self.x[number], y: self.y[number], nearness: self.nearness[number] }
+    }
+
+    /// A box (left, top, right, bottom) that holds all vertices, and the largest nearness of any.
+    #[inline(always)]
+    fn extent<W: Simd>(&self, simd: W) -> ([i32; 4], f32) {
+        let (mut low, mut high) = ([i32x8::splat(simd, i32::MAX); 2], [i32x8::splat(simd, i32::MIN); 2]);
+        let mut nearest = f32x8::splat(simd, f32::MIN);
+        for from in (0..self.x.len()).step_by(LANES) {
+            for (axis, values) in [&self.x, &self.y].into_iter().enumerate() {
+                let values = i32x8::from_slice(simd, &values[from..from + LANES]);
+                low[axis] = low[axis].min(values);
+                high[axis] = high[axis].max(values);
+            }
+            let nearness = f32x8::from_slice(simd, &self.nearness[from..from + LANES]);
+            nearest = nearness.simd_gt(nearest).select(nearness, nearest);
+        }
+        let least = |values: i32x8<W>| <[i32; LANES]>::from(values).into_iter().fold(i32::MAX, i32::min);
+        let most = |values: i32x8<W>| <[i32; LANES]>::from(values).into_iter().fold(i32::MIN, i32::max);
+        let nearest = <[f32; LANES]>::from(nearest).into_iter().fold(f32::MIN, |a, b| if b > a { b } else { a });
+        ([least(low[0]), least(low[1]), most(high[0]), most(high[1])], nearest)
     }
 
     /// Maps a cluster that needs no cutting, eight vertices at once, with the operations of `Corner::vertex`.

@@ -6,13 +6,13 @@ use super::bins::{Bins, Item};
 use super::canopy::Canopy;
 use super::cluster::ClusteredMesh;
 use super::distant_wood::Palette;
-use super::drawn::Drawn;
+use super::drawn::{Drawn, Fingerprints};
 use super::reads::Reads;
 use super::shadow::ShadowMap;
 use super::texture::MipMap;
 use super::tile::Pixels;
 use super::{Shared, of_surroundings};
-use crate::frame::{Background, Camera, Frame, Ground, Material, Model, Sky, Sun, View, Wood};
+use crate::frame::{Background, Camera, Frame, Ground, Instance, Material, Model, Sky, Sun, View, Wood};
 use std::sync::Arc;
 
 /// Whether what has a number is among what is the same.
@@ -47,18 +47,27 @@ struct Season {
     wood: (Option<f32>, Palette),
 }
 
+/// Most instances of a frame whose tiles are kept: with more, hardly a tile stays the same, and what tells so takes memory.
+pub(super) const MOST: usize = 1 << 18;
+
 /// A frame that was drawn, but for what its scene keeps anyway.
 pub(super) struct Last {
     scenery: Scenery,
     season: Season,
-    instances: Drawn<'static>,
+    fingerprints: Fingerprints,
     models: Vec<Model>,
     materials: Vec<Material>,
     meshes: Vec<Arc<ClusteredMesh>>,
     textures: Vec<Arc<MipMap>>,
-    bins: Bins,
     canopy: Option<Arc<Canopy>>,
     shadow: Option<Arc<ShadowMap>>,
+    picture: Option<LastPicture>,
+}
+
+/// The picture of such a frame, and of what it was drawn.
+struct LastPicture {
+    instances: Drawn<'static>,
+    bins: Bins,
     tiles: Vec<Arc<DrawnTile>>,
 }
 
@@ -134,19 +143,19 @@ impl Season {
 impl Last {
     /// The frame that these were made for.
     pub(super) fn of(shared: Shared<'_>, bins: Bins, tiles: Vec<Arc<DrawnTile>>) -> Self {
-        let Shared { frame, instances, meshes, textures, atmosphere, canopy, shadow, .. } = shared;
+        let Shared { frame, instances, fingerprints, meshes, textures, atmosphere, canopy, shadow, .. } = shared;
+        let is_kept = instances.all.len() <= MOST;
         Self {
             scenery: Scenery::of(frame, &textures),
             season: Season::of(frame, &atmosphere.wood),
-            instances: instances.kept(),
+            fingerprints,
             models: frame.models.clone(),
             materials: frame.materials.clone(),
             meshes,
             textures,
-            bins,
             canopy,
             shadow,
-            tiles,
+            picture: is_kept.then(|| LastPicture { instances: instances.kept(), bins, tiles }),
         }
     }
 
@@ -181,42 +190,54 @@ impl Last {
 
 impl Same<'_> {
     /// Whether a cluster is the same at the same place; `salt` if what its instance is known by counts too.
-    fn item(&self, now: &Item, then: &Item, salt: bool) -> bool {
-        let (one, other) =
-            (&self.instances.all[now.instance as usize], &self.last.instances.all[then.instance as usize]);
+    fn item(&self, kept: &LastPicture, now: &Item, then: &Item, salt: bool) -> bool {
+        let (one, other) = (&self.instances.all[now.instance as usize], &kept.instances.all[then.instance as usize]);
         let places = |item: &Item| (item.mesh, item.level, item.cluster, item.material);
         places(now) == places(then)
             && is(&self.meshes, now.mesh)
             && is(&self.materials, now.material)
             && one.transform == other.transform
             && one.leaf.is_some() == other.leaf.is_some()
-            && (!salt || self.instances.salt(now.instance) == self.last.instances.salt(then.instance))
+            && (!salt || self.instances.salt(now.instance) == kept.instances.salt(then.instance))
     }
 
-    /// The light in the crowns, where all that stands is the same.
-    pub(super) fn canopy(&self, frame: &Frame) -> Option<Option<Arc<Canopy>>> {
-        let then = self.last.instances.standing();
+    /// Whether some of a frame's instances are drawn as those of the same numbers were.
+    fn are_drawn_alike(&self, frame: &Frame, instances: &[Instance]) -> bool {
         let is_same_model = |(then, now): (&Model, &Model)| {
             then.parts == now.parts
                 && now.parts.iter().all(|part| is(&self.meshes, part.mesh) && is(&self.materials, part.material))
         };
         let models: Vec<bool> = self.last.models.iter().zip(&frame.models).map(is_same_model).collect();
-        (frame.standing() == then && then.iter().all(|one| is(&models, one.model))).then(|| self.last.canopy.clone())
+        instances.iter().all(|one| is(&models, one.model))
     }
 
-    /// The map of shadows.
+    /// The light in the crowns, where all that stands is the same.
+    pub(super) fn canopy(&self, frame: &Frame, now: Fingerprints) -> Option<Option<Arc<Canopy>>> {
+        let is_same = self.last.fingerprints.standing == now.standing && self.are_drawn_alike(frame, frame.standing());
+        is_same.then(|| self.last.canopy.clone())
+    }
+
+    /// The map of shadows, where all that stands and lies is the same.
+    pub(super) fn whole_shadow(&self, frame: &Frame, now: Fingerprints) -> Option<Option<Arc<ShadowMap>>> {
+        let is_same = self.last.fingerprints == now && self.are_drawn_alike(frame, &frame.instances);
+        is_same.then(|| self.last.shadow.clone())
+    }
+
+    /// The map of shadows as it was.
     pub(super) fn shadow(&self) -> Option<&ShadowMap> {
         self.last.shadow.as_deref()
     }
 
     /// Whether a tile of the shadow map is drawn of the same clusters.
     pub(super) fn is_shadow_tile(&self, [now, then]: [&Bins; 2], tile: usize) -> bool {
-        now.holds_as(then, tile, |now, then| self.item(now, then, false))
+        let Some(kept) = &self.last.picture else { return false };
+        now.holds_as(then, tile, |now, then| self.item(kept, now, then, false))
     }
 
     /// How many of a picture's tiles are those of the last.
     pub(super) fn kept(&self, tiles: &[Arc<DrawnTile>]) -> usize {
-        self.last.tiles.iter().zip(tiles).filter(|(then, now)| Arc::ptr_eq(then, now)).count()
+        let then = self.last.picture.iter().flat_map(|kept| &kept.tiles);
+        then.zip(tiles).filter(|(then, now)| Arc::ptr_eq(then, now)).count()
     }
 
     /// The tiles of the picture that look as they did, by their numbers.
@@ -225,12 +246,13 @@ impl Same<'_> {
         shared: &'b Shared<'_>,
         bins: &'b Bins,
     ) -> impl Fn(usize) -> Option<Arc<DrawnTile>> + Sync + 'b {
-        let changed = self.is_same_camera.then(|| Changed::of(self, shared));
+        let kept = self.last.picture.as_ref().filter(|_| self.is_same_camera);
+        let known = kept.map(|kept| (kept, Changed::of(self, shared)));
         move |number| {
-            let changed = changed.as_ref()?;
-            let tile = &self.last.tiles[number];
-            let is_same = |now: &Item, then: &Item| self.item(now, then, tile.reads.salt);
-            (changed.leaves(&tile.reads) && bins.holds_as(&self.last.bins, number, is_same)).then(|| tile.clone())
+            let (kept, changed) = known.as_ref()?;
+            let tile = &kept.tiles[number];
+            let is_same = |now: &Item, then: &Item| self.item(kept, now, then, tile.reads.salt);
+            (changed.leaves(&tile.reads) && bins.holds_as(&kept.bins, number, is_same)).then(|| tile.clone())
         }
     }
 }

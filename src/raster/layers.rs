@@ -58,16 +58,18 @@ impl Default for Site {
 }
 
 /// What tiles hold for each of their pixels, row by row of the picture.
-pub(super) fn assembled<T: Copy + Send + Sync>(
+pub(super) fn assembled<T: Copy + Default + Send + Sync>(
     [width, height]: [usize; 2],
     columns: usize,
     tiles: &[Arc<DrawnTile>],
     of: impl Fn(&Pixels) -> &[T] + Sync,
 ) -> Vec<T> {
-    let row = |y: usize| {
+    let mut all = vec![T::default(); width * height];
+    all.par_chunks_mut(width.max(1)).enumerate().for_each(|(y, row)| {
         let tiles = &tiles[y / SIDE * columns..][..columns];
-        let row = tiles.iter().flat_map(|tile| of(&tile.pixels)[y % SIDE * SIDE..][..SIDE].iter().copied());
-        row.take(width).collect::<Vec<T>>()
-    };
-    (0..height).into_par_iter().flat_map_iter(row).collect()
+        for (part, tile) in row.chunks_mut(SIDE).zip(tiles) {
+            part.copy_from_slice(&of(&tile.pixels)[y % SIDE * SIDE..][..part.len()]);
+        }
+    });
+    all
 }

@@ -41,9 +41,11 @@ mod shade;
 mod shadow;
 mod simplify;
 mod sky;
+mod spread;
 mod texture;
 mod tile;
 mod tone;
+mod tube;
 mod wireframe;
 mod wood_light;
 
@@ -56,8 +58,8 @@ use bins::Bins;
 use canopy::Canopy;
 use cluster::ClusteredMesh;
 use distant_wood::Noises;
-use drawn::Drawn;
-use last::{DrawnTile, Last, Same};
+use drawn::{Drawn, Fingerprints};
+use last::{DrawnTile, Last, MOST, Same};
 use projection::Projection;
 use rayon::prelude::*;
 use reads::Reads;
@@ -80,6 +82,8 @@ struct Shared<'a> {
     frame: &'a Frame,
     /// What is drawn: the frame's instances, then the ground's.
     instances: &'a Drawn<'a>,
+    /// What they come to, where it is asked for.
+    fingerprints: Fingerprints,
     meshes: Vec<Arc<ClusteredMesh>>,
     textures: Vec<Arc<MipMap>>,
     atmosphere: Atmosphere,
@@ -150,12 +154,17 @@ impl Renderer {
         let is_kept = may_be_kept && !wanted.is_last;
         let last = if may_be_kept { self.last.take() } else { None };
         let same = last.as_ref().and_then(|last| last.same(frame, &instances, (&meshes, &textures)));
-        let canopy = same.as_ref().and_then(|same| same.canopy(frame));
+        let fingerprints = if may_be_kept { instances.fingerprints() } else { Fingerprints::default() };
+        let canopy = same.as_ref().and_then(|same| same.canopy(frame, fingerprints));
         let canopy = canopy.unwrap_or_else(|| Canopy::new(frame, &meshes, &textures, &atmosphere).map(Arc::new));
-        let shadow = ShadowMap::new(frame, &meshes, same.as_ref(), is_kept).map(Arc::new);
+        let shadow = same.as_ref().and_then(|same| same.whole_shadow(frame, fingerprints)).unwrap_or_else(|| {
+            let are_tiles_kept = is_kept && instances.all.len() <= MOST;
+            ShadowMap::new(frame, &meshes, same.as_ref(), are_tiles_kept).map(Arc::new)
+        });
         let shared = Shared {
             frame,
             instances: &instances,
+            fingerprints,
             meshes,
             textures,
             atmosphere,

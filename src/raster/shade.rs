@@ -70,16 +70,28 @@ impl<'a> Looks<'a> {
         Self { prepared, uv: point.uv, footprint: point.footprint, taps: None }
     }
 
-    fn read(&mut self, texture: u32) -> [f32; 3] {
+    /// A texture with where to read it.
+    fn taps(&mut self, texture: u32) -> (&'a MipMap, Taps) {
         let map: &MipMap = &self.prepared.textures[texture as usize];
         match &self.taps {
-            Some((other, taps)) if map.is_laid_out_like(other) => map.read(taps),
+            Some((other, taps)) if map.is_laid_out_like(other) => (map, *taps),
             _ => {
                 let taps = map.taps(self.uv, self.footprint);
                 self.taps = Some((map, taps));
-                map.read(&taps)
+                (map, taps)
             }
         }
+    }
+
+    fn read(&mut self, texture: u32) -> [f32; 3] {
+        let (map, taps) = self.taps(texture);
+        map.read(&taps)
+    }
+
+    /// The normal that a relief shows, where it is not as good as upright.
+    fn relief(&mut self, texture: u32) -> Option<[f32; 3]> {
+        let (map, taps) = self.taps(texture);
+        (!map.is_flat(&taps)).then(|| map.read(&taps))
     }
 
     fn colour(&mut self, factor: [f32; 3], texture: Option<u32>) -> [f32; 3] {
@@ -164,8 +176,7 @@ fn lit(prepared: &Prepared, item: &Item, visible: &mut Visible, triangle: u16, a
     if point.behind {
         reflected = reflected.map(|r| (r * material.back_gain).min(0.95));
     }
-    if let Some(number) = material.relief {
-        let relief = looks.read(number);
+    if let Some(relief) = material.relief.and_then(|number| looks.relief(number)) {
         point.normal = in_relief(relief, prepared, item, triangle, &point);
     }
     let ambient = ambient(prepared, item, visible, &point);

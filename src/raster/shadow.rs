@@ -18,8 +18,9 @@ use std::sync::Arc;
 
 /// Error in texels that a coarser level of a mesh may make: the penumbra is wider.
 const LOD_ERROR: f32 = 1.5;
-/// Places looked up for one shadow.
+/// Places looked up for one shadow, and for how far it falls.
 const TAPS: usize = 12;
+const FIRST: usize = TAPS / 2;
 /// Radius of the penumbra a metre of distance to what casts the shadow: the sun's angular radius, 0.265 degrees.
 const SUN_RADIUS: f32 = 0.004_63;
 /// Different turns of the taps.
@@ -42,8 +43,10 @@ pub(super) struct ShadowMap {
     tiles: Vec<Arc<[f32]>>,
     /// The largest nearness in each block of texels, row by row: where it is below a point's, nothing shades the point.
     nearest_in_blocks: Vec<f32>,
+    /// The least nearness in each: where it is above a point's all around, the point is in full shadow.
+    farthest_in_blocks: Vec<f32>,
     /// Where the taps lie in a disc of radius 1, in each of their turns.
-    turns: Vec<[[f32; 2]; TAPS]>,
+    turns: Vec<Turn>,
 }
 
 impl ShadowMap {
@@ -83,9 +86,9 @@ impl ShadowMap {
             })
         };
         let tiles: Vec<Arc<[f32]>> = (0..bins.rows * bins.columns).into_par_iter().with_max_len(1).map(tile).collect();
-        let nearest_in_blocks = nearest_in_blocks(&tiles, bins.columns);
+        let [farthest_in_blocks, nearest_in_blocks] = by_blocks(&tiles, bins.columns);
         let (columns, bins) = (bins.columns, is_kept.then_some(bins));
-        Some(Self { projection, size, bins, columns, tiles, nearest_in_blocks, turns: turns() })
+        Some(Self { projection, size, bins, columns, tiles, nearest_in_blocks, farthest_in_blocks, turns: turns() })
     }
 
     /// The largest nearness, in either map, of what is not the same in each tile of another map of the same places; none where the
@@ -104,50 +107,52 @@ impl ShadowMap {
         let screen = self.projection.screen(self.projection.map.point(lifted));
         let nearness = screen.nearness + 0.5 * texel;
         let search = (4.0 * SUN_RADIUS * self.projection.pixels_per_metre).max(1.0);
-        self.note([screen.x, screen.y], search, nearness, reads);
-        if !self.may_be_shaded([screen.x, screen.y], search, nearness) {
+        let centre = [screen.x, screen.y];
+        self.note(centre, search, nearness, reads);
+        let nearest = self.in_blocks(&self.nearest_in_blocks, centre, search).fold(f32::MIN, larger);
+        if nearest <= nearness {
             return 1.0;
+        }
+        let penumbra = |gap: f32| (gap * SUN_RADIUS * self.projection.pixels_per_metre).clamp(0.7, 40.0);
+        // Where everything within the widest penumbra lies nearer to the sun, every tap finds it so.
+        let widest = penumbra(nearest - nearness).max(search);
+        if self.in_blocks(&self.farthest_in_blocks, centre, widest).all(|farthest| farthest > nearness) {
+            self.note(centre, widest, nearness, reads);
+            return 0.0;
         }
         reads.salt = true;
         let turned = &self.turns[hash(salt, 0) as usize % TURNS];
-        let centre = [screen.x, screen.y];
         // A first look finds how far what casts the shadow is; that sets the penumbra of the second.
         let (mut count, mut gap) = (0.0f32, 0.0f32);
-        self.each(turned.iter().step_by(2), (centre, search), |found| {
+        for found in self.found(&turned.first, centre, search) {
             let above = found - nearness;
             if above > 0.0 {
                 count += 1.0;
                 gap += above;
             }
-        });
+        }
         if count == 0.0 {
             return 1.0;
         }
-        let radius = (gap / count * SUN_RADIUS * self.projection.pixels_per_metre).clamp(0.7, 40.0);
+        let radius = penumbra(gap / count);
         self.note(centre, radius, nearness, reads);
-        let mut lit = 0u32;
-        self.each(turned.iter(), (centre, radius), |found| lit += u32::from(found <= nearness));
+        let lit: u32 = self.found(&turned.all, centre, radius).iter().map(|&found| u32::from(found <= nearness)).sum();
         lit as f32 / TAPS as f32
     }
 
-    /// Looks up the nearness at each of some taps of a disc, in their order.
+    /// The nearness at each of some taps of a disc.
     #[inline(always)]
-    fn each<'a>(
-        &self,
-        taps: impl Iterator<Item = &'a [f32; 2]>,
-        (centre, radius): ([f32; 2], f32),
-        mut look: impl FnMut(f32),
-    ) {
+    fn found<const N: usize>(&self, taps: &Taps<N>, centre: [f32; 2], radius: f32) -> [f32; N] {
         match self.alone(centre, radius) {
-            // Nothing but places in the tile is asked for, so that its corner needs no taking off.
             Some(Some(tile)) => {
-                for tap in taps {
-                    let [x, y] = [0, 1].map(|axis| floor_to_i32(centre[axis] + tap[axis] * radius) as usize % SIDE);
-                    look(tile[y * SIDE + x]);
-                }
+                // Nothing but places in the tile is asked for, so that its corner needs no taking off and no place is below 0.
+                let place =
+                    |axis: usize, k: usize| (centre[axis] + taps.0[axis][k] * radius) as i32 & (SIDE as i32 - 1);
+                let places: [i32; N] = std::array::from_fn(|k| place(1, k) * SIDE as i32 + place(0, k));
+                places.map(|place| tile[place as usize & (SIDE * SIDE - 1)])
             }
-            Some(None) => taps.for_each(|_| look(f32::MIN)),
-            None => taps.for_each(|tap| look(self.at(centre, tap, radius))),
+            Some(None) => [f32::MIN; N],
+            None => std::array::from_fn(|k| self.at(centre, taps.0.map(|axis| axis[k]), radius)),
         }
     }
 
@@ -177,18 +182,19 @@ impl ShadowMap {
         }
     }
 
-    /// Whether something nearer to the sun than `nearness` lies within `reach` texels of a place.
-    fn may_be_shaded(&self, [x, y]: [f32; 2], reach: f32, nearness: f32) -> bool {
+    /// What is told of the blocks within `reach` texels of a place; beside the map, of those at its rim.
+    #[inline(always)]
+    fn in_blocks<'a>(&self, told: &'a [f32], [x, y]: [f32; 2], reach: f32) -> impl Iterator<Item = f32> + 'a {
         let width = self.columns * BLOCKS;
         let block = |place: f32| ((place / BLOCK as f32) as i32).clamp(0, width as i32 - 1) as usize;
-        let (columns, rows) = (block(x - reach)..=block(x + reach), block(y - reach)..=block(y + reach));
-        rows.into_iter()
-            .any(|row| columns.clone().any(|column| self.nearest_in_blocks[row * width + column] > nearness))
+        let (left, right) = (block(x - reach), block(x + reach));
+        (block(y - reach)..=block(y + reach))
+            .flat_map(move |row| told[row * width + left..=row * width + right].iter().copied())
     }
 
     /// The nearness at a tap of a disc; what lies beside the map is never near.
     #[inline(always)]
-    fn at(&self, [x, y]: [f32; 2], tap: &[f32; 2], radius: f32) -> f32 {
+    fn at(&self, [x, y]: [f32; 2], tap: [f32; 2], radius: f32) -> f32 {
         let (x, y) = (floor_to_i32(x + tap[0] * radius), floor_to_i32(y + tap[1] * radius));
         // A negative place is a large one.
         let (x, y) = (x as u32 as usize, y as u32 as usize);
@@ -200,15 +206,39 @@ impl ShadowMap {
     }
 }
 
-/// Places that fill a disc of radius 1 evenly, a Vogel spiral, in each of some even turns of it.
-fn turns() -> Vec<[[f32; 2]; TAPS]> {
+/// Places in a disc of radius 1, by their axes.
+struct Taps<const N: usize>([[f32; N]; 2]);
+
+/// Places that fill a disc of radius 1 evenly, a Vogel spiral.
+struct Turn {
+    all: Taps<TAPS>,
+    /// Every second of them.
+    first: Taps<FIRST>,
+}
+
+/// The taps in each of some even turns of the disc.
+fn turns() -> Vec<Turn> {
     let place = |turn: usize, index: usize| {
         let angle = GOLDEN_ANGLE * index as f32 + turn as f32 / TURNS as f32 * TAU;
         let (sine, cosine) = sincosf(angle);
         let radius = ((index as f32 + 0.5) / TAPS as f32).sqrt();
         [cosine * radius, sine * radius]
     };
-    (0..TURNS).map(|turn| std::array::from_fn(|index| place(turn, index))).collect()
+    let turn = |turn: usize| Turn {
+        all: Taps([0, 1].map(|axis| std::array::from_fn(|index| place(turn, index)[axis]))),
+        first: Taps([0, 1].map(|axis| std::array::from_fn(|index| place(turn, 2 * index)[axis]))),
+    };
+    (0..TURNS).map(turn).collect()
+}
+
+#[inline(always)]
+fn larger(a: f32, b: f32) -> f32 {
+    if b > a { b } else { a }
+}
+
+#[inline(always)]
+fn smaller(a: f32, b: f32) -> f32 {
+    if b < a { b } else { a }
 }
 
 /// The largest nearness of texels that are not the same in two tiles, each empty where nothing stands.
@@ -216,7 +246,6 @@ fn largest_change(now: &Arc<[f32]>, then: &Arc<[f32]>) -> f32 {
     if Arc::ptr_eq(now, then) {
         return f32::MIN;
     }
-    let larger = |a: f32, b: f32| if b > a { b } else { a };
     let change = |(now, then): (&f32, &f32)| if now == then { f32::MIN } else { larger(*now, *then) };
     match (now.is_empty(), then.is_empty()) {
         (false, false) => now.iter().zip(then.iter()).map(change).fold(f32::MIN, larger),
@@ -224,21 +253,30 @@ fn largest_change(now: &Arc<[f32]>, then: &Arc<[f32]>) -> f32 {
     }
 }
 
-/// The largest nearness in each block of all tiles, row by row.
-fn nearest_in_blocks(tiles: &[Arc<[f32]>], columns: usize) -> Vec<f32> {
+/// The least and the largest nearness in each block of all tiles, row by row.
+fn by_blocks(tiles: &[Arc<[f32]>], columns: usize) -> [Vec<f32>; 2] {
     let width = columns * BLOCKS;
-    let mut nearest = vec![f32::MIN; tiles.len() * BLOCKS * BLOCKS];
-    nearest.par_chunks_mut(width * BLOCKS).zip(tiles.par_chunks(columns)).for_each(|(nearest, tiles)| {
+    let [mut farthest, mut nearest] = [0, 1].map(|_| vec![f32::MIN; tiles.len() * BLOCKS * BLOCKS]);
+    let rows = farthest.par_chunks_mut(width * BLOCKS).zip(nearest.par_chunks_mut(width * BLOCKS));
+    rows.zip(tiles.par_chunks(columns)).for_each(|((farthest, nearest), tiles)| {
         for (column, tile) in tiles.iter().enumerate() {
-            for (y, row) in tile.chunks(SIDE).enumerate() {
-                for (x, texels) in row.chunks(BLOCK).enumerate() {
-                    let nearest = &mut nearest[y / BLOCK * width + column * BLOCKS + x];
-                    *nearest = texels.iter().fold(*nearest, |a, &b| if b > a { b } else { a });
+            for (y, rows) in tile.chunks_exact(BLOCK * SIDE).enumerate() {
+                for x in 0..BLOCKS {
+                    // Column by column of the block first, which takes a register.
+                    let (mut low, mut high) = ([f32::MAX; BLOCK], [f32::MIN; BLOCK]);
+                    for row in rows.chunks_exact(SIDE) {
+                        for (k, &texel) in row[x * BLOCK..][..BLOCK].iter().enumerate() {
+                            (low[k], high[k]) = (smaller(low[k], texel), larger(high[k], texel));
+                        }
+                    }
+                    let block = y * width + column * BLOCKS + x;
+                    farthest[block] = low.into_iter().fold(f32::MAX, smaller);
+                    nearest[block] = high.into_iter().fold(f32::MIN, larger);
                 }
             }
         }
     });
-    nearest
+    [farthest, nearest]
 }
 
 fn draw_tile(
@@ -299,16 +337,16 @@ mod tests {
             columns: 2,
             tiles: tiles.collect(),
             nearest_in_blocks: Vec::new(),
+            farthest_in_blocks: Vec::new(),
             turns: turns(),
         };
         let mut alone = [0; 3];
         for step in 0..2000u64 {
             let place = |axis: u64| -6.0 + 140.0 * hash_unit(step, axis);
             let (centre, radius) = ([place(1), place(2)], 0.7 + 20.0 * hash_unit(step, 3));
-            let taps = &map.turns[step as usize % TURNS];
-            let mut found = Vec::new();
-            map.each(taps.iter(), (centre, radius), |nearness| found.push(nearness));
-            let expected: Vec<f32> = taps.iter().map(|tap| map.at(centre, tap, radius)).collect();
+            let taps = &map.turns[step as usize % TURNS].all;
+            let found = map.found(taps, centre, radius);
+            let expected = std::array::from_fn(|k| map.at(centre, taps.0.map(|axis| axis[k]), radius));
             assert_eq!(found, expected, "{centre:?} {radius}");
             alone[match map.alone(centre, radius) {
                 Some(Some(_)) => 0,

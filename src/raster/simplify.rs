@@ -278,14 +278,14 @@ impl State {
 }
 
 /// Distance of a point from a segment.
-fn distance_to_segment(point: DVec3, [a, b]: [DVec3; 2]) -> f64 {
+pub(super) fn distance_to_segment(point: DVec3, [a, b]: [DVec3; 2]) -> f64 {
     let along = b - a;
     let share = (point - a).dot(&along) / along.norm_squared().max(1e-300);
     (point - (a + along * share.clamp(0.0, 1.0))).norm()
 }
 
 /// Distance of a point from a triangle.
-fn distance_to_triangle(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+pub(super) fn distance_to_triangle(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     let normal = (b - a).cross(&(c - a));
     let is_inside = |from: DVec3, to: DVec3| (to - from).cross(&(point - from)).dot(&normal) >= 0.0;
     if normal.norm_squared() > 0.0 && is_inside(a, b) && is_inside(b, c) && is_inside(c, a) {

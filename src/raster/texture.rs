@@ -9,6 +9,9 @@ use std::sync::Arc;
 /// Largest stored value of a texel.
 const FULL: f32 = 65535.0;
 
+/// Mean slope of normals below which they are taken to be upright: it changes what is lit aslant by some two percent.
+const FLAT: f32 = 0.02;
+
 /// What the codes of a texture stand for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Codes {
@@ -29,6 +32,8 @@ pub(super) struct MipMap {
     repeat: bool,
     codes: Codes,
     mean: [f32; 3],
+    /// The first of `levels` from which on normals are as good as upright.
+    flat: usize,
 }
 
 #[derive(Clone, Debug)]
@@ -87,7 +92,9 @@ impl MipMap {
         }
         let count = f64::from(texture.width) * f64::from(texture.height);
         let mean = sums[0].map(|sum| codes.decoded((sum as f64 / count) as f32));
-        Self { side: side(texture), first, levels, repeat: texture.repeat, codes, mean }
+        let rough = levels.iter().rposition(|level| level.slope(codes) > FLAT);
+        let flat = rough.map_or(0, |level| level + 1);
+        Self { side: side(texture), first, levels, repeat: texture.repeat, codes, mean, flat }
     }
 
     /// How often the finest level was halved.
@@ -142,6 +149,12 @@ impl MipMap {
     /// `read` at the places of `taps`.
     pub(super) fn sample(&self, uv: Vec2, footprint: f32) -> [f32; 3] {
         self.read(&self.taps(uv, footprint))
+    }
+
+    /// Whether normals read by `taps` are as good as upright.
+    #[inline(always)]
+    pub(super) fn is_flat(&self, taps: &Taps) -> bool {
+        taps.level >= self.flat
     }
 
     /// The mean of the whole texture.
@@ -220,6 +233,15 @@ impl Level {
         Self { width: width as i32, height: height as i32, texels: sums.iter().map(stored).collect() }
     }
 
+    /// How far normals lean on average: the root of the mean square of their slopes.
+    fn slope(&self, codes: Codes) -> f32 {
+        let squared = |texel: &[u16; 4]| {
+            let [x, y, z] = [0, 1, 2].map(|k| codes.decoded(f32::from(texel[k])));
+            (x * x + y * y) / (z * z).max(1e-6)
+        };
+        (self.texels.iter().map(squared).sum::<f32>() / self.texels.len() as f32).sqrt()
+    }
+
     /// The four texels around a place, whose coordinates lie in 0..=1.
     #[inline(always)]
     fn corners(&self, uv: Vec2, repeat: bool) -> Corners {
@@ -295,6 +317,17 @@ mod tests {
             let [a, b] = [&whole, &coarse].map(|map| map.sample(Vec2::from(place), footprint));
             assert_eq!(a, b);
         }
+    }
+
+    #[test]
+    fn normals_are_flat_where_none_of_their_slopes_is_left() {
+        // Ridges four texels wide of slope 0.5, whose sides are upright together.
+        let ridge = |x: usize| if (x / 2).is_multiple_of(2) { [184, 128, 240] } else { [71, 128, 240] };
+        let pixels = (0..256).map(|place| ridge(place % 16)).collect();
+        let texture = Texture { name: "ridges".into(), width: 16, height: 16, pixels: Arc::new(pixels), repeat: true };
+        let map = MipMap::new(&texture, Codes::Plain, 0);
+        let is_flat = |texels: f32| map.is_flat(&map.taps(Vec2::new(0.4, 0.4), texels / 16.0));
+        assert_eq!([1.0, 2.0, 3.9, 4.0, 16.0].map(is_flat), [false, false, false, true, true]);
     }
 
     #[test]

@@ -187,8 +187,21 @@ impl<const S: usize> Workspace<S> {
         dispatch!(Level::new(), simd => simd.vectorize(
             #[inline(always)]
             || {
+                // Where nothing is shown the colour is the plain one everywhere, without a threshold.
+                let nothing = (&[0.0; LANES], plain);
+                let blank = match plain {
+                    Some(_) => prepared.tone.codes(simd, &Colours::default(), nothing, 0).map(|[r, g, b]| [r, g, b, 255]),
+                    None => [[0; 4]; LANES],
+                };
                 let eights = pixels.colours.as_chunks_mut::<LANES>().0.iter_mut().zip(&self.sums);
                 for (number, (colours, sums)) in eights.enumerate() {
+                    if sums.covered == [0.0; LANES] {
+                        *colours = blank;
+                        if prepared.wanted.radiance {
+                            pixels.radiance.extend([[0.0; 4]; LANES]);
+                        }
+                        continue;
+                    }
                     let mean = sums.mean();
                     let share = sums.covered.map(|covered| covered / count as f32);
                     let codes = prepared.tone.codes(simd, &mean, (&share, plain), corner.y + number * LANES / SIDE);
