@@ -114,9 +114,10 @@ impl ShadowMap {
             return 1.0;
         }
         let penumbra = |gap: f32| (gap * SUN_RADIUS * self.projection.pixels_per_metre).clamp(0.7, 40.0);
-        // Where everything within the widest penumbra lies nearer to the sun, every tap finds it so.
+        // Where everything within the widest penumbra lies nearer to the sun, every tap finds it so; none does beside the map.
         let widest = penumbra(nearest - nearness).max(search);
-        if self.in_blocks(&self.farthest_in_blocks, centre, widest).all(|farthest| farthest > nearness) {
+        let is_within = centre.iter().all(|&place| place - widest >= 0.0 && place + widest < self.size as f32);
+        if is_within && self.in_blocks(&self.farthest_in_blocks, centre, widest).all(|farthest| farthest > nearness) {
             self.note(centre, widest, nearness, reads);
             return 0.0;
         }
@@ -321,6 +322,45 @@ fn bounding_sphere(frame: &Frame, meshes: &[Arc<ClusteredMesh>]) -> Option<(Vec3
 mod tests {
     use super::*;
     use crate::base::random::hash_unit;
+
+    #[test]
+    fn blocks_tell_of_shadow_and_light_what_all_taps_tell() {
+        // Plates of several heights with holes between them, over 128 texels of 2 metres.
+        let texel = |tile: u64, place: u64| {
+            let (x, y) = (place % SIDE as u64 + tile % 2 * SIDE as u64, place / SIDE as u64 + tile / 2 * SIDE as u64);
+            let is_hole = hash_unit(x / 3 + 1000 * (y / 3), 5) < 0.01;
+            if is_hole { f32::MIN } else { hash_unit(x / 20 + 1000 * (y / 20), 6) }
+        };
+        let tiles = (0..4).map(|tile| (0..(SIDE * SIDE) as u64).map(|place| texel(tile, place)).collect());
+        let tiles: Vec<Arc<[f32]>> = tiles.collect();
+        let [farthest_in_blocks, nearest_in_blocks] = by_blocks(&tiles, 2);
+        let mut map = ShadowMap {
+            projection: Projection::parallel(-Vec3::y(), Vec3::zeros(), 1.0, 2 * SIDE as u32),
+            size: 2 * SIDE,
+            bins: None,
+            columns: 2,
+            tiles,
+            nearest_in_blocks,
+            farthest_in_blocks,
+            turns: turns(),
+        };
+        let lit = |map: &ShadowMap| -> Vec<(f32, bool)> {
+            let one = |step: u64| {
+                let place = [0, 1, 2].map(|axis| 2.2 * hash_unit(step, axis) - 1.1);
+                let mut reads = Reads::default();
+                (map.lit(Vec3::from(place), Vec3::y(), step, &mut reads), reads.salt)
+            };
+            (0..4000).map(one).collect()
+        };
+        let by_the_blocks = lit(&map);
+        map.farthest_in_blocks.fill(f32::MIN);
+        map.nearest_in_blocks.fill(f32::MAX);
+        let by_taps = lit(&map);
+        let is_told =
+            |share: f32| by_the_blocks.iter().zip(&by_taps).filter(|(told, _)| !told.1 && told.0 == share).count();
+        assert!(by_the_blocks.iter().zip(&by_taps).all(|(told, tapped)| told.0 == tapped.0));
+        assert!(is_told(0.0) > 100 && is_told(1.0) > 100, "{} {}", is_told(0.0), is_told(1.0));
+    }
 
     #[test]
     fn taps_in_one_tile_are_those_of_the_whole_map() {

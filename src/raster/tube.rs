@@ -1,5 +1,5 @@
-//! Coarser versions of bent tubes, stalks above all: of the rings that their vertices lie in, some are left out. Collapses of single edges
-//! would pinch a tube or blow it up, and what is thin must keep its width.
+//! Coarser versions of bent tubes, stalks above all: of the rings that their vertices lie in, some are left out. Collapses of
+//! single edges would pinch a tube or blow it up, and what is thin must keep its width.
 
 use super::simplify::{Simplified, distance_to_segment};
 use crate::base::mesh::Mesh;
@@ -64,7 +64,9 @@ pub(super) fn shortened(mesh: &Mesh) -> Option<Vec<Simplified>> {
     let shorter = (1..tube.pieces).map(|_| {
         let bend = |place: &usize| tube.bend(mesh, kept[place - 1], kept[place + 1]);
         let least = (1..kept.len() - 1).min_by(|one, other| bend(one).total_cmp(&bend(other)));
-        least.map(|place| kept.remove(place));
+        if let Some(place) = least {
+            kept.remove(place);
+        }
         tube.between(mesh, &kept)
     });
     Some(shorter.collect())

@@ -79,3 +79,63 @@ impl<const S: usize> Nearest<S> {
         self.farthest[block]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::random::{Purpose, Stream};
+    use crate::raster::background::Background;
+    use crate::raster::coverage::Vertex;
+    use fearless_simd::{Level, dispatch};
+
+    fn draw<const S: usize>(tile: &mut Nearest<S>, triangle: [Vertex; 3], owner: u32) -> bool {
+        dispatch!(Level::new(), simd => tile.draw(simd, triangle, owner))
+    }
+
+    /// Whether two triangles over all of a box of pixels win no sample.
+    fn wins_nothing<const S: usize>(tile: &Nearest<S>, bounds: [usize; 4], nearness: f32) -> bool {
+        let [left, top, right, bottom] = bounds.map(|edge| edge as i32 * 256);
+        let corner = |x: i32, y: i32| Vertex { x, y, nearness };
+        let (right, bottom) = (right + 256, bottom + 256);
+        let corners = [corner(left, top), corner(right, top), corner(right, bottom), corner(left, bottom)];
+        let [a, b, c, d] = corners;
+        let mut tile = tile.clone();
+        let won = [draw(&mut tile, [a, b, c], 1), draw(&mut tile, [a, c, d], 1)];
+        won == [false; 2]
+    }
+
+    fn what_is_behind_wins_nothing<const S: usize>() {
+        let mut random = Stream::new(5, Purpose::Derivation, S as u64, 0);
+        let mut below = |limit: u64| random.bits() % limit;
+        let mut tile = Nearest::<S>::new();
+        tile.clear(&Background { at: 0.2, down: 0.001, owner: 7, beyond: 8, ..Background::default() });
+        let mut counts = [0; 2];
+        for step in 0..600 {
+            let mut vertex = || Vertex {
+                x: below(80 * 256) as i32 - 2048,
+                y: below(80 * 256) as i32 - 2048,
+                nearness: 0.1 + below(1000) as f32 * 1e-3,
+            };
+            let triangle = [vertex(), vertex(), vertex()];
+            draw(&mut tile, triangle, step);
+            let (left, top) = (below(58) as usize, below(58) as usize);
+            let bounds = [left, top, left + below(6) as usize, top + below(6) as usize];
+            let nearness = below(1200) as f32 * 1e-3;
+            let is_behind = dispatch!(Level::new(), simd => tile.is_behind(simd, bounds, nearness));
+            let expected = wins_nothing(&tile, bounds, nearness);
+            // Fewer samples than a register holds are looked at with those of the pixels beside.
+            assert!(!is_behind || expected, "{bounds:?} {nearness}");
+            assert!(S < LANES || is_behind == expected, "{bounds:?} {nearness}");
+            counts[usize::from(is_behind)] += 1;
+        }
+        assert!(counts.iter().all(|&count| count > 50), "{counts:?}");
+    }
+
+    #[test]
+    fn what_is_behind_wins_no_sample() {
+        what_is_behind_wins_nothing::<1>();
+        what_is_behind_wins_nothing::<4>();
+        what_is_behind_wins_nothing::<8>();
+        what_is_behind_wins_nothing::<16>();
+    }
+}
