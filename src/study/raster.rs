@@ -44,8 +44,8 @@ const LOD_ERRORS: [f32; 6] = [0.0, 0.1, 0.3, 0.6, 1.2, 2.4];
 const NOTICED: f64 = 0.01;
 /// Sides by which references are enlarged, the one and another that it is held against: 4,096 and 2,304 samples in a pixel.
 const SIDES: [u32; 2] = [16, 12];
-/// Those of a quick study and of large pictures: 1,024 and 576.
-const FEW_SIDES: [u32; 2] = [8, 6];
+/// Those of a quick study: 1,600 and 1,024.
+const FEW_SIDES: [u32; 2] = [10, 8];
 /// Most pixels of an enlarged picture; larger references take smaller sides.
 const MOST_PIXELS: u32 = 20_000_000;
 
