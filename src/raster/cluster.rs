@@ -1,6 +1,6 @@
 //! Meshes cut into clusters: what is binned, transformed and rejected as one. Small meshes have coarser levels besides.
 
-use super::simplify::{Simplified, simplified};
+use super::simplify::simplified;
 use super::spread::Whole;
 use super::tube::shortened;
 use crate::base::mesh::Mesh;
@@ -39,8 +39,8 @@ pub(super) struct Cluster {
 /// Triangles of the coarser levels of a small mesh.
 const COARSER: [usize; 13] = [200, 150, 120, 95, 75, 60, 48, 38, 30, 22, 16, 10, 6];
 
-/// Triangles of the smallest meshes that have coarser levels of any kind, and of the smallest that are no tubes.
-const LEAST: [usize; 2] = [12, 32];
+/// Triangles of the smallest meshes that have coarser levels without being tubes.
+const LEAST: usize = 32;
 
 /// A mesh in some number of triangles.
 #[derive(Clone, Debug)]
@@ -79,10 +79,10 @@ impl ClusteredMesh {
         let triangles = if mesh.triangles.len() <= LARGEST { mesh.triangles.clone() } else { gathered(mesh) };
         let full = triangles.chunks(size).map(|part| cut(mesh, part)).collect();
         let mut levels = vec![Level { clusters: full, error: 0.0 }];
-        if (LEAST[0]..=LARGEST).contains(&mesh.triangles.len()) {
+        if mesh.triangles.len() <= LARGEST {
             let coarser: Vec<(Mesh, f64)> = match shortened(mesh) {
-                Some(versions) => versions.into_iter().map(|version| alike(mesh, version)).collect(),
-                None if mesh.triangles.len() < LEAST[1] => Vec::new(),
+                Some(versions) => versions.into_iter().map(|version| version.of(mesh)).collect(),
+                None if mesh.triangles.len() < LEAST => Vec::new(),
                 None => {
                     let whole = Whole::new(mesh);
                     simplified(mesh, &COARSER).into_iter().map(|version| whole.spread(version)).collect()
@@ -109,11 +109,6 @@ impl ClusteredMesh {
     pub(super) fn level_within(&self, tolerance: f32) -> usize {
         self.levels.iter().rposition(|level| level.error <= tolerance).unwrap_or(0)
     }
-}
-
-/// A version whose vertices are where they were.
-fn alike(mesh: &Mesh, version: Simplified) -> (Mesh, f64) {
-    (Mesh { triangles: version.triangles, ..mesh.clone() }, version.error)
 }
 
 /// The triangles of a mesh in an order in which those that follow one another lie together: along a Morton curve, which

@@ -331,7 +331,7 @@ mod tests {
         Vertex { x: (x * 256.0) as i32, y: (y * 256.0) as i32, nearness }
     }
 
-    fn draw<const S: usize>(tile: &mut Nearest<S>, triangle: [Vertex; 3], owner: u32) -> bool {
+    pub(super) fn draw<const S: usize>(tile: &mut Nearest<S>, triangle: [Vertex; 3], owner: u32) -> bool {
         dispatch!(Level::new(), simd => tile.draw(simd, triangle, owner))
     }
 

@@ -48,7 +48,7 @@ struct Season {
 }
 
 /// Most instances of a frame whose tiles are kept: with more, hardly a tile stays the same, and what tells so takes memory.
-pub(super) const MOST: usize = 1 << 18;
+const MOST: usize = 1 << 18;
 
 /// A frame that was drawn, but for what its scene keeps anyway.
 pub(super) struct Last {
@@ -62,6 +62,11 @@ pub(super) struct Last {
     canopy: Option<Arc<Canopy>>,
     shadow: Option<Arc<ShadowMap>>,
     picture: Option<LastPicture>,
+}
+
+/// Whether the tiles of a frame of these instances are kept.
+pub(super) fn are_tiles_kept(instances: &Drawn<'_>) -> bool {
+    instances.all.len() <= MOST
 }
 
 /// The picture of such a frame, and of what it was drawn.
@@ -144,7 +149,7 @@ impl Last {
     /// The frame that these were made for.
     pub(super) fn of(shared: Shared<'_>, bins: Bins, tiles: Vec<Arc<DrawnTile>>) -> Self {
         let Shared { frame, instances, fingerprints, meshes, textures, atmosphere, canopy, shadow, .. } = shared;
-        let is_kept = instances.all.len() <= MOST;
+        let is_kept = are_tiles_kept(instances);
         Self {
             scenery: Scenery::of(frame, &textures),
             season: Season::of(frame, &atmosphere.wood),

@@ -59,7 +59,7 @@ use canopy::Canopy;
 use cluster::ClusteredMesh;
 use distant_wood::Noises;
 use drawn::{Drawn, Fingerprints};
-use last::{DrawnTile, Last, MOST, Same};
+use last::{DrawnTile, Last, Same, are_tiles_kept};
 use projection::Projection;
 use rayon::prelude::*;
 use reads::Reads;
@@ -154,12 +154,12 @@ impl Renderer {
         let is_kept = may_be_kept && !wanted.is_last;
         let last = if may_be_kept { self.last.take() } else { None };
         let same = last.as_ref().and_then(|last| last.same(frame, &instances, (&meshes, &textures)));
-        let fingerprints = if may_be_kept { instances.fingerprints() } else { Fingerprints::default() };
+        let is_compared = is_kept || same.is_some();
+        let fingerprints = if is_compared { instances.fingerprints() } else { Fingerprints::default() };
         let canopy = same.as_ref().and_then(|same| same.canopy(frame, fingerprints));
         let canopy = canopy.unwrap_or_else(|| Canopy::new(frame, &meshes, &textures, &atmosphere).map(Arc::new));
         let shadow = same.as_ref().and_then(|same| same.whole_shadow(frame, fingerprints)).unwrap_or_else(|| {
-            let are_tiles_kept = is_kept && instances.all.len() <= MOST;
-            ShadowMap::new(frame, &meshes, same.as_ref(), are_tiles_kept).map(Arc::new)
+            ShadowMap::new(frame, &meshes, same.as_ref(), is_kept && are_tiles_kept(&instances)).map(Arc::new)
         });
         let shared = Shared {
             frame,

@@ -26,6 +26,13 @@ pub(super) struct Simplified {
     pub error: f64,
 }
 
+impl Simplified {
+    /// The version as a mesh, its vertices where they were, with its error.
+    pub(super) fn of(self, mesh: &Mesh) -> (Mesh, f64) {
+        (Mesh { triangles: self.triangles, ..mesh.clone() }, self.error)
+    }
+}
+
 /// Versions of a mesh with at most each of `counts` triangles (falling), as far as collapses allow; fewer versions where
 /// nothing more can go.
 pub(super) fn simplified(mesh: &Mesh, counts: &[usize]) -> Vec<Simplified> {

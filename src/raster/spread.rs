@@ -36,10 +36,10 @@ impl<'a> Whole<'a> {
     /// A version of the mesh with the mesh's area, and the largest distance of either's vertices from the other, metres: along
     /// the rim from the other's rim, elsewhere from its surface.
     pub(super) fn spread(&self, version: Simplified) -> (Mesh, f64) {
-        let mut coarse = Mesh { triangles: version.triangles, ..self.mesh.clone() };
+        let (mut coarse, error) = version.of(self.mesh);
         let factor = (self.area / coarse.area().max(1e-300)).sqrt().min(MOST);
         if factor < LEAST {
-            return (coarse, version.error);
+            return (coarse, error);
         }
         let middle = middle(&coarse);
         for position in &mut coarse.positions {

@@ -86,11 +86,8 @@ mod tests {
     use crate::base::random::{Purpose, Stream};
     use crate::raster::background::Background;
     use crate::raster::coverage::Vertex;
+    use crate::raster::coverage::tests::draw;
     use fearless_simd::{Level, dispatch};
-
-    fn draw<const S: usize>(tile: &mut Nearest<S>, triangle: [Vertex; 3], owner: u32) -> bool {
-        dispatch!(Level::new(), simd => tile.draw(simd, triangle, owner))
-    }
 
     /// Whether two triangles over all of a box of pixels win no sample.
     fn wins_nothing<const S: usize>(tile: &Nearest<S>, bounds: [usize; 4], nearness: f32) -> bool {
