@@ -4,7 +4,7 @@ use super::stand::{Form, Pose};
 use super::{Garment, Stand, variant};
 use crate::base::maths::hypot;
 use crate::base::vector::{DVec2, DVec3};
-use crate::fall::{self, Counts, Course, Fallen, Fate, Flight, Ground, Slopes, Trunk, Wind};
+use crate::fall::{self, Counts, Course, Fallen, Fate, Flight, Ground, Side, Slopes, Trunk, Wind};
 use crate::scene::{Scene, Species, Standing};
 use crate::tree::LeafSite;
 use rayon::prelude::*;
@@ -56,6 +56,10 @@ pub struct Fall {
     pub flight: Flight,
     /// How far it moves aside on all of its way, along x and z, metres.
     pub aside: DVec2,
+    /// How far gusts roll it along once it has landed, along x and z, metres.
+    pub drift: DVec2,
+    /// The side on which it will lie, and its turn, radians.
+    pub lot: (Side, f64),
     /// What becomes of it, and when.
     pub course: Course,
     /// What has become of it.
@@ -158,7 +162,8 @@ impl<'a> Finder<'a> {
         let course = Course::new(&scene.fall, &self.decays[form.species], scene.seed, &leaf, &flight);
         let variant = variant(scene.seed, id, species.variants());
         let garment = Garment { species: form.species as u16, state: dropped.state, variant };
-        Some(Fall { site: dropped.site, garment, leaf, flight, aside, course, fate: Fate::Hanging })
+        let (drift, lot) = (self.wind.drifted(scene.seed, &leaf), fall::lot(scene.seed, &leaf));
+        Some(Fall { site: dropped.site, garment, leaf, flight, aside, drift, lot, course, fate: Fate::Hanging })
     }
 }
 
@@ -217,34 +222,33 @@ impl Falls {
 /// The ground below the trees, from which raked circles are cleared.
 struct Yard<'a> {
     scene: &'a Scene,
-    /// The ground and the wind, where any is raked.
-    raked: Option<(Ground, Wind)>,
+    /// The ground, where any of it is raked.
+    raked: Option<Ground>,
 }
 
 impl<'a> Yard<'a> {
     fn new(scene: &'a Scene, stand: &Stand) -> Self {
         let is_raked = scene.fall.raked > 0.0;
-        Self { scene, raked: is_raked.then(|| (ground(stand), Wind::new(&scene.fall, scene.seed))) }
+        Self { scene, raked: is_raked.then(|| ground(stand)) }
     }
 
     /// What has become of a leaf, and whether it was raked away.
     fn fate(&self, fall: &Fall, day: f64) -> (Fate, bool) {
         let fate = fall.course.fate(&self.scene.fall, &fall.leaf, &fall.flight, day);
-        let lies_raked = |(ground, wind): &(Ground, Wind)| {
+        let lies_raked = |ground: &Ground| {
             let landing = DVec2::new(fall.leaf.twig.x, fall.leaf.twig.z) + fall.aside;
-            ground.is_raked(rest(self.scene, (ground, wind), fall, landing), self.scene.fall.raked)
+            ground.is_raked(rest(self.scene, ground, fall, landing), self.scene.fall.raked)
         };
-        match self.raked.as_ref().filter(|_| fate.lies()) {
-            Some(raked) if lies_raked(raked) => (Fate::Decayed, true),
+        match &self.raked {
+            Some(ground) if fate.lies() && lies_raked(ground) => (Fate::Decayed, true),
             _ => (fate, false),
         }
     }
 }
 
 /// Where a leaf that has landed comes to rest: it drifts on, then slides.
-pub(super) fn rest(scene: &Scene, (ground, wind): (&Ground, &Wind), fall: &Fall, landing: DVec2) -> DVec2 {
-    let drifted = landing + wind.drifted(scene.seed, &fall.leaf);
-    ground.rest(scene.seed, scene.fall.wind, drifted)
+pub(super) fn rest(scene: &Scene, ground: &Ground, fall: &Fall, landing: DVec2) -> DVec2 {
+    ground.rest(scene.seed, scene.fall.wind, landing + fall.drift)
 }
 
 /// The ground with the feet of all trunks.

@@ -274,8 +274,8 @@ impl Strewer<'_> {
         let rotation = transform.linear.cast::<f64>() / site.scale;
         let hung = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rotation));
         let landing = level(middle) + fall.aside;
-        let rest = rest(self.scene, (&self.ground, &self.wind), fall, landing);
-        let (side, yaw) = fall::lot(self.scene.seed, &fall.leaf);
+        let rest = rest(self.scene, &self.ground, fall, landing);
+        let (side, yaw) = fall.lot;
         Some(Way { lying, scale: site.scale, side, yaw, hung, middle, landing, rest })
     }
 
