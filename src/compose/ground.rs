@@ -41,6 +41,15 @@ fn bareness(worn: &[Option<Garment>]) -> f32 {
     1.0 - hanging as f32 / worn.len().max(1) as f32
 }
 
+/// Steps in which a season's shares are told: a step changes no colour by more than half a code, and what shows them stays as
+/// it is on days on which hardly a leaf turns.
+const STEPS: f32 = 256.0;
+
+/// A share, 0..1, told in steps.
+fn in_steps(share: f32) -> f32 {
+    (share * STEPS + 0.5).floor() / STEPS
+}
+
 /// The states in which leaves are green.
 pub(super) const GREEN: [&str; 3] = ["flush", "green", "late-green"];
 
@@ -55,8 +64,8 @@ impl Stock {
     /// The ground as it looks while the trees wear this.
     pub(super) fn ground_in_season(&self, worn: &[Option<Garment>]) -> Option<Ground> {
         let mut ground = self.ground.clone()?;
-        ground.dormant = self.dormancy(worn);
-        ground.wood = ground.wood.map(|wood| Wood { bareness: bareness(worn), ..wood });
+        ground.dormant = in_steps(self.dormancy(worn));
+        ground.wood = ground.wood.map(|wood| Wood { bareness: in_steps(bareness(worn)), ..wood });
         Some(ground)
     }
 

@@ -37,6 +37,8 @@ const THIN: f32 = 0.35;
 const EVERGREEN: [f32; 3] = [0.062, 0.082, 0.030];
 /// Tints of the kinds of trees, on the frame's own foliage.
 const TINTS: [[f32; 3]; 3] = [[0.80, 0.88, 0.86], [1.06, 1.03, 0.82], [1.34, 1.14, 0.72]];
+/// Parts of all leaves by which their states are told.
+const PARTS: u64 = 256;
 /// Steps between the kinds whose colours are kept.
 const STEPS: usize = 64;
 
@@ -78,19 +80,23 @@ impl Palette {
         }
         let worn = frame.materials.iter().zip(&by_material).filter(|(_, count)| **count > 0);
         let leaves: Vec<(u64, Optics)> = worn.map(|(material, &count)| (count, optics(material, textures))).collect();
-        Self::of_leaves(&leaves, mean_of(frame, textures, &by_material))
+        let wood = frame.ground.as_ref().and_then(|ground| ground.wood);
+        // The last leaves of all tell nothing of a wood that has none.
+        if wood.is_some_and(|wood| wood.bareness < 1.0) { Self::of_leaves(&leaves) } else { Self::default() }
     }
 
-    /// The colours of trees among which leaves of these numbers are spread, in the order in which trees turn.
-    fn of_leaves(leaves: &[(u64, Optics)], mean: Optics) -> Self {
-        let total = leaves.iter().map(|(count, _)| count).sum::<u64>().max(1) as f32;
-        let mut below = 0.0;
-        let mut ranges = Vec::with_capacity(leaves.len());
-        for &(count, own) in leaves {
-            let share = count as f32 / total;
-            ranges.push((below, below + share, own));
-            below += share;
-        }
+    /// The colours of trees among which leaves of these numbers are spread, in the order in which trees turn. They are told by
+    /// parts of all leaves, so that a wood stays as it is on days on which hardly a leaf turns.
+    fn of_leaves(leaves: &[(u64, Optics)]) -> Self {
+        let total = leaves.iter().map(|(count, _)| count).sum::<u64>().max(1);
+        let mut below = 0;
+        let range = |&(count, own): &(u64, Optics)| {
+            below += count;
+            let end = |leaves: u64| ((leaves * PARTS + total / 2) / total) as f32 / PARTS as f32;
+            (end(below - count), end(below), own)
+        };
+        let ranges: Vec<(f32, f32, Optics)> = leaves.iter().map(range).collect();
+        let mean = mean_between(&ranges, 0.0, 1.0);
         let kinds = (0..=STEPS).map(|step| {
             let kind = step as f32 / STEPS as f32;
             // A tree wears leaves of many states at once.
@@ -157,19 +163,6 @@ fn left(hanging: f32, order: f32) -> f32 {
 /// Where a place is in the order in which a crown grows bare, 0..1: tuft by tuft, told from how it is turned and lit.
 fn order([right, up]: [f32; 2], light: f32) -> f32 {
     folded((2.6 * right + 1.9 * up + 3.0 * light).abs())
-}
-
-/// Reflectance and transmittance of all leaves, by how many wear each material.
-fn mean_of(frame: &Frame, textures: &[Arc<MipMap>], counts: &[u64]) -> ([f32; 3], [f32; 3]) {
-    let (mut sums, total) = (([0.0; 3], [0.0; 3]), counts.iter().sum::<u64>().max(1) as f32);
-    for (material, &count) in frame.materials.iter().zip(counts).filter(|(_, count)| **count > 0) {
-        let (reflected, transmitted) = optics(material, textures);
-        for k in 0..3 {
-            sums.0[k] += reflected[k] * (count as f32 / total);
-            sums.1[k] += transmitted[k] * (count as f32 / total);
-        }
-    }
-    sums
 }
 
 /// A ray towards the horizon.
@@ -327,29 +320,26 @@ mod tests {
 
     #[test]
     fn what_stays_green_has_its_own_colour() {
-        let summer = Palette::of_leaves(&[(1, GREEN)], GREEN);
+        let summer = Palette::of_leaves(&[(1, GREEN)]);
         assert_eq!(summer.leaves(-1.0), (EVERGREEN, [0.0; 3]));
         let (reflected, transmitted) = summer.leaves(0.5);
         assert!(reflected[1] > reflected[0] && transmitted[1] > 0.0);
-        assert_eq!(Palette::of_leaves(&[], GREEN).leaves(0.5), (EVERGREEN, [0.0; 3]));
+        assert_eq!(Palette::of_leaves(&[]).leaves(0.5), (EVERGREEN, [0.0; 3]));
     }
 
     #[test]
     fn each_tree_turns_over_some_days_and_one_after_another() {
         // One leaf in a hundred turns a day.
-        let mean = |red: u64| -> Optics {
-            let part =
-                |green: [f32; 3], other: [f32; 3]| std::array::from_fn(|k| mix(green[k], other[k], red as f32 / 100.0));
-            (part(GREEN.0, RED.0), part(GREEN.1, RED.1))
-        };
         let palettes: Vec<Palette> =
-            (0..=100).map(|red| Palette::of_leaves(&[(100 - red, GREEN), (red, RED)], mean(red))).collect();
+            (0..=100).map(|red| Palette::of_leaves(&[(100 - red, GREEN), (red, RED)])).collect();
         for kind in [0.0, 0.2, 0.5, 0.77, 1.0] {
             let reds: Vec<f32> = palettes.iter().map(|palette| palette.leaves(kind).0[0] / tint(kind)[0]).collect();
             let largest = reds.windows(2).map(|days| days[1] - days[0]).fold(0.0, f32::max);
             assert!(reds.windows(2).all(|days| days[1] > days[0] - 1e-4), "{kind}");
             assert!(largest < 0.15 * (RED.0[0] - GREEN.0[0]), "{kind}: {largest}");
         }
+        // A leaf among thousands changes nothing, and there is no wood without leaves to have a colour.
+        assert_eq!(Palette::of_leaves(&[(20_000, GREEN), (9, RED)]), Palette::of_leaves(&[(20_000, GREEN), (1, RED)]));
         let half = &palettes[50];
         assert!(half.leaves(0.9).0[0] > 1.5 * half.leaves(0.1).0[0]);
     }
