@@ -276,3 +276,27 @@ fn any_number_of_threads_draws_the_same_picture() {
     assert_eq!(one, draw(2));
     assert_eq!(one, draw(5));
 }
+
+#[test]
+fn shadows_are_the_same_when_so_much_lies_about_that_the_map_is_drawn_in_strips() {
+    // Leaves one before another in the sun, seen aslant; a quarter of a million others lie where nobody sees them.
+    let mut few = frame();
+    few.sun = Sun { direction: Vec3::new(0.1, 0.8, 0.6).normalize(), irradiance: [3.0; 3] };
+    few.view.shadow_size = 2048;
+    few.camera.position = Vec3::new(1.5, 0.4, 4.0);
+    let at = |place: Vec3, scale: f32| Affine { linear: Affine::identity().linear * scale, translation: place };
+    let standing = (0..40u8).map(|leaf| {
+        let [x, y] = [leaf % 8, leaf / 8].map(|step| 0.35 * f32::from(step) - 1.0);
+        at(Vec3::new(x, y, 0.5 + 0.03 * f32::from(leaf)), 0.1)
+    });
+    let placed = |transform: Affine| Instance { model: 0, transform, leaf: None };
+    few.instances.extend(standing.map(placed));
+    let mut many = few.clone();
+    many.fallen = 1 << 18;
+    many.instances.resize(few.instances.len() + many.fallen, placed(at(Vec3::new(0.0, -90.0, 0.0), 0.1)));
+    let (picture, shadowless) = (raster::draw(&few).0, {
+        few.view.shadow_size = 0;
+        raster::draw(&few).0
+    });
+    assert!(picture != shadowless && raster::draw(&many).0 == picture);
+}

@@ -6,6 +6,7 @@ use super::projection::{Lens, Projection, Screen, composed};
 use crate::base::vector::{Affine, Vec3};
 use crate::frame::{Frame, Instance};
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// How much larger the error of a coarser level may be where leaves lie on the ground: they are seen along it, a few pixels
@@ -15,6 +16,8 @@ const LYING_ERROR: f32 = 4.0;
 const THINNEST: f32 = 0.2;
 /// Instances that one task bins; fixed, so that the order of items does not depend on the threads.
 const CHUNK: usize = 1024;
+/// Chunks that are binned before their items are put together.
+const TOGETHER: usize = 64;
 
 /// Size up to which an item is small in the picture, pixels.
 const SMALL: i32 = 48;
@@ -58,8 +61,8 @@ impl Item {
 pub(super) struct Bins {
     /// Tiles in a row.
     pub columns: usize,
-    /// Rows of tiles.
-    pub rows: usize,
+    /// Rows of tiles, by their numbers in the picture.
+    rows: Range<usize>,
     /// All items that touch the picture.
     pub items: Vec<Item>,
     tiles: Vec<Vec<u32>>,
@@ -76,33 +79,49 @@ impl Bins {
         size: [u32; 2],
         lod_error: f32,
     ) -> Self {
-        let [width, height] = size;
-        let (columns, rows) = ((width as usize).div_ceil(SIDE), (height as usize).div_ceil(SIDE));
-        let limits = [width as i32 - 1, height as i32 - 1];
+        Self::of_rows(frame, instances, meshes, projection, (size, 0..tiles_across(size[1])), lod_error)
+    }
+
+    /// The same for some rows of the picture's tiles.
+    pub(super) fn of_rows(
+        frame: &Frame,
+        instances: &[Instance],
+        meshes: &[Arc<ClusteredMesh>],
+        projection: &Projection,
+        ([width, height], rows): ([u32; 2], Range<usize>),
+        lod_error: f32,
+    ) -> Self {
+        let columns = tiles_across(width);
+        let limits =
+            [0, (rows.start * SIDE) as i32, width as i32 - 1, (rows.end * SIDE).min(height as usize) as i32 - 1];
         let fallen = frame.standing().len()..frame.instances.len();
-        let chunks: Vec<Vec<Item>> = instances
-            .par_chunks(CHUNK)
-            .enumerate()
-            .map(|(chunk, instances)| {
-                let mut items = Vec::new();
-                for (offset, instance) in instances.iter().enumerate() {
-                    let number = (chunk * CHUNK + offset) as u32;
-                    let is_fallen = fallen.contains(&(number as usize)) && lod_error > 0.0;
-                    let detail = if is_fallen { [lod_error * LYING_ERROR, THINNEST] } else { [lod_error, 0.0] };
-                    push_items(frame, meshes, projection, detail, limits, (number, instance), &mut items);
-                }
-                items
-            })
-            .collect();
-        let mut items = Vec::with_capacity(chunks.iter().map(Vec::len).sum());
-        chunks.into_iter().for_each(|chunk| items.extend(chunk));
-        let mut keyed = vec![Vec::new(); columns * rows];
+        let mut items = Vec::new();
+        // Some chunks at a time: the items of all are not held twice.
+        for (group, instances) in instances.chunks(CHUNK * TOGETHER).enumerate() {
+            let first = group * CHUNK * TOGETHER;
+            let found: Vec<Vec<Item>> = instances
+                .par_chunks(CHUNK)
+                .enumerate()
+                .map(|(chunk, instances)| {
+                    let mut items = Vec::new();
+                    for (offset, instance) in instances.iter().enumerate() {
+                        let number = (first + chunk * CHUNK + offset) as u32;
+                        let is_fallen = fallen.contains(&(number as usize)) && lod_error > 0.0;
+                        let detail = if is_fallen { [lod_error * LYING_ERROR, THINNEST] } else { [lod_error, 0.0] };
+                        push_items(frame, meshes, projection, detail, limits, (number, instance), &mut items);
+                    }
+                    items
+                })
+                .collect();
+            found.into_iter().for_each(|found| items.extend(found));
+        }
+        let mut keyed = vec![Vec::new(); columns * rows.len()];
         for (number, item) in items.iter().enumerate() {
             let [left, top, right, bottom] = item.bounds.map(|edge| edge as usize / SIDE);
             let key = u64::from(place_by_nearness(item.nearness)) << 32 | number as u64;
             for row in top..=bottom {
                 for column in left..=right {
-                    keyed[row * columns + column].push(key);
+                    keyed[(row - rows.start) * columns + column].push(key);
                 }
             }
         }
@@ -121,9 +140,14 @@ impl Bins {
         these.len() == others.len() && these.iter().zip(others).all(items)
     }
 
+    /// Columns and rows of all tiles, by their numbers in the picture.
+    pub(super) fn places(&self) -> Vec<[usize; 2]> {
+        self.rows.clone().flat_map(|row| (0..self.columns).map(move |column| [column, row])).collect()
+    }
+
     /// The items of a tile, nearest first, ties by number.
     pub(super) fn tile(&self, column: usize, row: usize) -> &[u32] {
-        &self.tiles[row * self.columns + column]
+        &self.tiles[(row - self.rows.start) * self.columns + column]
     }
 }
 
@@ -134,11 +158,16 @@ fn place_by_nearness(nearness: f32) -> u32 {
     if bits >> 31 == 0 { !(bits | 1 << 31) } else { bits }
 }
 
-/// The part of a box that lies in a picture whose last column and row are `limits`; none when nothing does.
-fn within(bounds: [f32; 4], limits: [i32; 2]) -> Option<Bounds> {
+/// How many tiles stand in a row or a column of so many pixels.
+pub(super) fn tiles_across(pixels: u32) -> usize {
+    (pixels as usize).div_ceil(SIDE)
+}
+
+/// The part of a box that lies within others' `limits`; none when nothing does.
+fn within(bounds: [f32; 4], limits: Bounds) -> Option<Bounds> {
     let [left, top, right, bottom] = bounds.map(|edge| edge.floor() as i32);
-    let is_beside = right < 0 || bottom < 0 || left > limits[0] || top > limits[1];
-    (!is_beside).then(|| [left.max(0), top.max(0), right.min(limits[0]), bottom.min(limits[1])])
+    let is_beside = right < limits[0] || bottom < limits[1] || left > limits[2] || top > limits[3];
+    (!is_beside).then(|| [left.max(limits[0]), top.max(limits[1]), right.min(limits[2]), bottom.min(limits[3])])
 }
 
 /// A box of pixels that holds what a camera sees of a cluster: of its sphere or, where that is wide, of its vertices, which may
@@ -164,7 +193,7 @@ fn push_items(
     meshes: &[Arc<ClusteredMesh>],
     projection: &Projection,
     [lod_error, thinnest]: [f32; 2],
-    limits: [i32; 2],
+    limits: Bounds,
     (number, instance): (u32, &Instance),
     items: &mut Vec<Item>,
 ) {

@@ -64,9 +64,9 @@ pub(super) struct Last {
     picture: Option<LastPicture>,
 }
 
-/// Whether the tiles of a frame of these instances are kept.
-pub(super) fn are_tiles_kept(instances: &Drawn<'_>) -> bool {
-    instances.all.len() <= MOST
+/// Whether the tiles of a frame of so many instances are kept.
+pub(super) fn are_tiles_kept(instances: usize) -> bool {
+    instances <= MOST
 }
 
 /// The picture of such a frame, and of what it was drawn.
@@ -149,7 +149,7 @@ impl Last {
     /// The frame that these were made for.
     pub(super) fn of(shared: Shared<'_>, bins: Bins, tiles: Vec<Arc<DrawnTile>>) -> Self {
         let Shared { frame, instances, fingerprints, meshes, textures, atmosphere, canopy, shadow, .. } = shared;
-        let is_kept = are_tiles_kept(instances);
+        let is_kept = are_tiles_kept(instances.all.len());
         Self {
             scenery: Scenery::of(frame, &textures),
             season: Season::of(frame, &atmosphere.wood),

@@ -159,7 +159,8 @@ impl Renderer {
         let canopy = same.as_ref().and_then(|same| same.canopy(frame, fingerprints));
         let canopy = canopy.unwrap_or_else(|| Canopy::new(frame, &meshes, &textures, &atmosphere).map(Arc::new));
         let shadow = same.as_ref().and_then(|same| same.whole_shadow(frame, fingerprints)).unwrap_or_else(|| {
-            ShadowMap::new(frame, &meshes, same.as_ref(), is_kept && are_tiles_kept(&instances)).map(Arc::new)
+            let is_kept = is_kept && are_tiles_kept(instances.all.len());
+            ShadowMap::new(frame, &meshes, same.as_ref(), is_kept).map(Arc::new)
         });
         let shared = Shared {
             frame,
@@ -241,17 +242,16 @@ fn of_plain_numbers(frame: &Frame) -> impl Iterator<Item = u32> {
 fn draw_tiles<const S: usize>(shared: &Shared, bins: &Bins, same: Option<&Same>) -> Vec<Arc<DrawnTile>> {
     let rooms = Rooms::new(Workspace::<S>::new);
     let known = same.map(|same| same.tiles(shared, bins));
-    let draw = |number: usize| {
+    let draw = |(number, [column, row]): (usize, [usize; 2])| {
         if let Some(tile) = known.as_ref().and_then(|known| known(number)) {
             return tile;
         }
         let prepared = Prepared::new(shared);
-        let (column, row) = (number % bins.columns, number / bins.columns);
         let pixels = rooms.with(|workspace| workspace.draw(&prepared, bins, column, row));
         Arc::new(DrawnTile { pixels, reads: prepared.reads.into_inner() })
     };
     // One tile at a time: a few hold most of the work, and no thread may be left with a long row of them.
-    (0..bins.rows * bins.columns).into_par_iter().with_max_len(1).map(draw).collect()
+    bins.places().into_par_iter().enumerate().with_max_len(1).map(draw).collect()
 }
 
 /// The antialiasing error is estimated from the spread of the samples of each pixel: their variance over their number is

@@ -5,7 +5,6 @@
 
 use super::Prepared;
 use super::atmosphere::Ambient;
-use super::bins::{Bins, Item};
 use super::texture::{MipMap, Taps};
 use super::tile::Visible;
 use super::wireframe;
@@ -71,27 +70,26 @@ impl<'a> Looks<'a> {
     }
 
     /// A texture with where to read it.
-    fn taps(&mut self, texture: u32) -> (&'a MipMap, Taps) {
+    #[inline(always)]
+    fn taps(&mut self, texture: u32) -> (&'a MipMap, &Taps) {
         let map: &MipMap = &self.prepared.textures[texture as usize];
-        match &self.taps {
-            Some((other, taps)) if map.is_laid_out_like(other) => (map, *taps),
-            _ => {
-                let taps = map.taps(self.uv, self.footprint);
-                self.taps = Some((map, taps));
-                (map, taps)
-            }
+        if self.taps.as_ref().is_some_and(|(other, _)| !map.is_laid_out_like(other)) {
+            self.taps = None;
         }
+        let (uv, footprint) = (self.uv, self.footprint);
+        let (_, taps) = self.taps.get_or_insert_with(|| (map, map.taps(uv, footprint)));
+        (map, taps)
     }
 
     fn read(&mut self, texture: u32) -> [f32; 3] {
         let (map, taps) = self.taps(texture);
-        map.read(&taps)
+        map.read(taps)
     }
 
     /// The normal that a relief shows, where it is not as good as upright.
     fn relief(&mut self, texture: u32) -> Option<[f32; 3]> {
         let (map, taps) = self.taps(texture);
-        (!map.is_flat(&taps)).then(|| map.read(&taps))
+        (!map.is_flat(taps)).then(|| map.read(taps))
     }
 
     fn colour(&mut self, factor: [f32; 3], texture: Option<u32>) -> [f32; 3] {
@@ -103,10 +101,8 @@ impl<'a> Looks<'a> {
 
 /// Light from all sides at a point of an item. Over a leaf that is small against the cells that the light was gathered in it
 /// hardly changes, so that it is looked up once.
-fn ambient(prepared: &Prepared, item: &Item, visible: &mut Visible, point: &Point) -> Ambient {
-    let instance = &prepared.instances.all[item.instance as usize];
-    let cluster = item.cluster_in(&prepared.meshes);
-    let scale = instance.transform.linear.column(0).norm();
+fn ambient(prepared: &Prepared, visible: &mut Visible, point: &Point) -> Ambient {
+    let Visible { cluster, instance, scale, .. } = *visible;
     if instance.leaf.is_none() || cluster.radius * scale > prepared.ambient_detail() {
         return prepared.ambient(point.position);
     }
@@ -114,56 +110,47 @@ fn ambient(prepared: &Prepared, item: &Item, visible: &mut Visible, point: &Poin
 }
 
 /// A colour seen through the air before it. Over an item that is small in the picture the air is the same.
-fn through_air(prepared: &Prepared, item: &Item, visible: &mut Visible, point: &Point, colour: [f32; 3]) -> [f32; 3] {
+fn through_air(prepared: &Prepared, visible: &mut Visible, point: &Point, colour: [f32; 3]) -> [f32; 3] {
     let eye = prepared.projection.eye;
-    if !item.is_small {
+    if !visible.item.is_small {
         return prepared.atmosphere.hazed(colour, point.position - eye);
     }
-    let air = visible.air.get_or_insert_with(|| {
-        let transform = &prepared.instances.all[item.instance as usize].transform;
-        let way = transform.point(item.cluster_in(&prepared.meshes).centre) - eye;
-        prepared.atmosphere.air(way)
-    });
+    let middle = || visible.instance.transform.point(visible.cluster.centre);
+    let air = visible.air.get_or_insert_with(|| prepared.atmosphere.air(middle() - eye));
     std::array::from_fn(|k| colour[k] * air[k][0] + air[k][1])
 }
 
 /// The normal on the side of the eye, turned by what the surface's relief says.
-fn in_relief([across, up, out]: [f32; 3], prepared: &Prepared, item: &Item, triangle: u16, point: &Point) -> Vec3 {
+fn in_relief([across, up, out]: [f32; 3], visible: &Visible, triangle: u16, point: &Point) -> Vec3 {
     let side = if point.behind { -1.0 } else { 1.0 };
-    let along = along(prepared, item, triangle);
+    let along = along(visible, triangle);
     // What is a groove above is a ridge below.
     let turned = point.normal * out + (along[0] * across + along[1] * up) * side;
     turned.try_normalize(1e-6).unwrap_or(point.normal)
 }
 
 /// Radiance of a triangle of a visible item at a point of the picture, with the lines of its edges where they are asked for.
-pub(super) fn surface(
-    prepared: &Prepared,
-    bins: &Bins,
-    visible: &mut Visible,
-    triangle: u16,
-    at: [f32; 2],
-) -> [f32; 3] {
-    let item = &bins.items[visible.item as usize];
-    let lit = lit(prepared, item, visible, triangle, at);
+pub(super) fn surface(prepared: &Prepared, visible: &mut Visible, triangle: u16, at: [f32; 2]) -> [f32; 3] {
+    let lit = lit(prepared, visible, triangle, at);
     match prepared.frame.view.wireframe {
-        Some(lines) => wireframe::over(prepared, item, &visible.map, triangle, at, lines, lit),
+        Some(lines) => wireframe::over(prepared, visible, triangle, at, lines, lit),
         None => lit,
     }
 }
 
 /// The unit normal of a triangle of a visible item on the side of the eye at a point of the picture.
-pub(super) fn normal(prepared: &Prepared, bins: &Bins, visible: &Visible, triangle: u16, at: [f32; 2]) -> Vec3 {
-    point(prepared, &bins.items[visible.item as usize], &visible.map, triangle, at).normal
+pub(super) fn normal(prepared: &Prepared, visible: &Visible, triangle: u16, at: [f32; 2]) -> Vec3 {
+    point(prepared, visible, triangle, at).normal
 }
 
 /// Radiance of a triangle of an item at a point of the picture.
-fn lit(prepared: &Prepared, item: &Item, visible: &mut Visible, triangle: u16, at: [f32; 2]) -> [f32; 3] {
-    let material = &prepared.frame.materials[item.material as usize];
+#[inline(always)]
+fn lit(prepared: &Prepared, visible: &mut Visible, triangle: u16, at: [f32; 2]) -> [f32; 3] {
+    let material = visible.material;
     if material.ground == GroundPart::Blades {
-        return blades(prepared, item, visible, triangle, at);
+        return blades(prepared, visible, triangle, at);
     }
-    let mut point = point(prepared, item, &visible.map, triangle, at);
+    let mut point = point(prepared, visible, triangle, at);
     if material.ground == GroundPart::Surface {
         return prepared.uneven_ground(point.position, point.normal, point.salt);
     }
@@ -177,9 +164,9 @@ fn lit(prepared: &Prepared, item: &Item, visible: &mut Visible, triangle: u16, a
         reflected = reflected.map(|r| (r * material.back_gain).min(0.95));
     }
     if let Some(relief) = material.relief.and_then(|number| looks.relief(number)) {
-        point.normal = in_relief(relief, prepared, item, triangle, &point);
+        point.normal = in_relief(relief, visible, triangle, &point);
     }
-    let ambient = ambient(prepared, item, visible, &point);
+    let ambient = ambient(prepared, visible, &point);
     let sun_direction = prepared.frame.sun.direction;
     let facing = point.normal.dot(&sun_direction);
     let lit_side = if facing >= 0.0 { point.normal } else { -point.normal };
@@ -213,21 +200,20 @@ fn lit(prepared: &Prepared, item: &Item, visible: &mut Visible, triangle: u16, a
             colour[k] += beam + mirror * front[k] / PI;
         }
     }
-    if prepared.frame.ground.is_some() { through_air(prepared, item, visible, &point, colour) } else { colour }
+    if prepared.frame.ground.is_some() { through_air(prepared, visible, &point, colour) } else { colour }
 }
 
 /// Radiance of a blade of grass, as that of the sward in which it stands: found once for a cluster of blades, over which it hardly
 /// changes.
-fn blades(prepared: &Prepared, item: &Item, visible: &mut Visible, triangle: u16, at: [f32; 2]) -> [f32; 3] {
-    let material = &prepared.frame.materials[item.material as usize];
-    let Met { position, uv, .. } = met(prepared, item, &visible.map, triangle, at);
+fn blades(prepared: &Prepared, visible: &mut Visible, triangle: u16, at: [f32; 2]) -> [f32; 3] {
+    let Visible { cluster, instance, material, salt: known_by, .. } = *visible;
+    let Met { position, uv, .. } = met(visible, triangle, at);
     let share = Looks { prepared, uv, footprint: 0.0, taps: None }.colour(material.colour, material.reflected);
     let sward = visible.sward.get_or_insert_with(|| {
-        let transform = &prepared.instances.all[item.instance as usize].transform;
-        let middle = transform.point(item.cluster_in(&prepared.meshes).centre);
-        prepared.sward_about(middle, transform.linear.column(1).normalize())
+        let Affine { linear, .. } = &instance.transform;
+        prepared.sward_about(instance.transform.point(cluster.centre), linear.column(1).normalize())
     });
-    sward.radiance(share, prepared.shade(position, sward.normal, salt(prepared, item, at)))
+    sward.radiance(share, prepared.shade(position, sward.normal, salt(known_by, at)))
 }
 
 /// Barycentric coordinates of what a triangle, mapped to the picture, shows at a point of it: homogeneous ones (Olano and Greer
@@ -243,9 +229,9 @@ fn blended(values: [Vec3; 3], weights: [f32; 3]) -> Vec3 {
     values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2]
 }
 
-/// What turns the grain of an item's shadows at a point of the picture.
-fn salt(prepared: &Prepared, item: &Item, at: [f32; 2]) -> u64 {
-    hash(prepared.instances.salt(item.instance), (at[0] as u64) << 32 | at[1] as u64)
+/// What turns the grain of shadows at a point of the picture, by what an instance is known by.
+fn salt(known_by: u64, at: [f32; 2]) -> u64 {
+    hash(known_by, (at[0] as u64) << 32 | at[1] as u64)
 }
 
 /// What of a triangle is met behind a point of the picture.
@@ -258,21 +244,23 @@ struct Met {
     uv: Vec2,
 }
 
-fn met(prepared: &Prepared, item: &Item, map: &Affine, triangle: u16, at: [f32; 2]) -> Met {
-    let cluster = item.cluster_in(&prepared.meshes);
+#[inline(always)]
+fn met(visible: &Visible, triangle: u16, at: [f32; 2]) -> Met {
+    let Visible { cluster, instance, map, .. } = visible;
     let numbers = cluster.triangles[usize::from(triangle)].map(usize::from);
     let corners = numbers.map(|v| cluster.positions[v]);
     let weights = weights(corners.map(|p| map.point(p)), at);
-    let position = prepared.instances.all[item.instance as usize].transform.point(blended(corners, weights));
+    let position = instance.transform.point(blended(corners, weights));
     let [p, q, r] = numbers.map(|v| cluster.uvs[v]);
     Met { numbers, weights, position, uv: p * weights[0] + q * weights[1] + r * weights[2] }
 }
 
 /// Finds the point of a triangle behind a point of the picture.
-fn point(prepared: &Prepared, item: &Item, map: &Affine, triangle: u16, at: [f32; 2]) -> Point {
-    let Met { numbers, weights, position, uv } = met(prepared, item, map, triangle, at);
-    let linear = &prepared.instances.all[item.instance as usize].transform.linear;
-    let cluster = item.cluster_in(&prepared.meshes);
+#[inline(always)]
+fn point(prepared: &Prepared, visible: &Visible, triangle: u16, at: [f32; 2]) -> Point {
+    let Met { numbers, weights, position, uv } = met(visible, triangle, at);
+    let Visible { cluster, instance, scale, uv_per_metre, .. } = visible;
+    let linear = &instance.transform.linear;
     let corners = numbers.map(|v| cluster.positions[v]);
     let flat = linear * (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
     let smooth = linear * blended(numbers.map(|v| cluster.normals[v]), weights);
@@ -282,25 +270,22 @@ fn point(prepared: &Prepared, item: &Item, map: &Affine, triangle: u16, at: [f32
     let behind = flat.dot(&to_eye) < 0.0;
     let smooth = smooth.try_normalize(1e-12).unwrap_or(to_eye);
     let normal = if behind { -smooth } else { smooth };
-    let scale = linear.column(0).norm().max(1e-12);
     let slant = normal.dot(&to_eye).abs().max(0.25);
-    let texels = prepared.meshes[item.mesh as usize].uv_per_metre;
-    let footprint = distance / prepared.projection.pixels_per_metre * texels / (scale * slant.sqrt());
-    let salt = salt(prepared, item, at);
+    let footprint = distance / prepared.projection.pixels_per_metre * uv_per_metre / (scale.max(1e-12) * slant.sqrt());
+    let salt = salt(visible.salt, at);
     Point { position, normal, behind, uv, footprint, to_eye, salt }
 }
 
 /// Unit vectors in which u and -v grow on a triangle; zero where the texture has no direction.
-fn along(prepared: &Prepared, item: &Item, triangle: u16) -> [Vec3; 2] {
-    let cluster = item.cluster_in(&prepared.meshes);
+fn along(visible: &Visible, triangle: u16) -> [Vec3; 2] {
+    let Visible { cluster, instance, scale, .. } = visible;
     let numbers = cluster.triangles[usize::from(triangle)].map(usize::from);
     let [p, q, r] = numbers.map(|v| cluster.positions[v]);
     let [t, u, v] = numbers.map(|v| cluster.uvs[v]);
     let (sides, [a, b]) = ([q - p, r - p], [u - t, v - t]);
     let doubled = a.x * b.y - a.y * b.x;
-    let linear = &prepared.instances.all[item.instance as usize].transform.linear;
-    let scale = linear.column(0).norm().max(1e-12);
-    let unit = |v: Vec3| linear * (v.try_normalize(1e-20).unwrap_or_default() * doubled.signum()) / scale;
+    let linear = &instance.transform.linear;
+    let unit = |v: Vec3| linear * (v.try_normalize(1e-20).unwrap_or_default() * doubled.signum()) / scale.max(1e-12);
     [unit(sides[0] * b.y - sides[1] * a.y), unit(sides[0] * b.x - sides[1] * a.x)]
 }
 

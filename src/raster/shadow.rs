@@ -1,10 +1,10 @@
 //! The sun's view of the scene as a map of distances (Williams 1978), with a penumbra as wide as the sun's disc makes it.
 
-use super::bins::Bins;
+use super::bins::{Bins, tiles_across};
 use super::cluster::ClusteredMesh;
 use super::coverage::{Nearest, SIDE};
 use super::draw::{self, Corner, Placed, Scratch};
-use super::last::Same;
+use super::last::{Same, are_tiles_kept};
 use super::projection::{Projection, composed};
 use super::reads::Reads;
 use super::rooms::Rooms;
@@ -29,6 +29,8 @@ const TURNS: usize = 64;
 const BLOCK: usize = 8;
 /// Blocks along one side of a tile.
 const BLOCKS: usize = SIDE / BLOCK;
+/// Rows of tiles that are binned at once where there are too many instances for all.
+const STRIP: usize = 8;
 /// Turn between successive taps of a Vogel spiral (the golden angle).
 const GOLDEN_ANGLE: f32 = 2.399_963;
 
@@ -65,30 +67,45 @@ impl ShadowMap {
         }
         let (centre, radius) = bounding_sphere(frame, meshes)?;
         let projection = Projection::parallel(-frame.sun.direction, centre, radius * 1.01, size as u32);
-        let bins = Bins::new(frame, &frame.instances, meshes, &projection, [size as u32; 2], LOD_ERROR);
+        let columns = tiles_across(size as u32);
+        // Of a million leaves the items of all tiles would stand beside those of the picture.
+        let at_once = if are_tiles_kept(frame.instances.len()) { columns } else { STRIP };
         let last = same.and_then(|same| Some((same, same.shadow()?)));
-        let last = last.filter(|(_, map)| map.size == size && map.projection == projection);
+        let last = last.filter(|(_, map)| map.size == size && map.projection == projection && at_once == columns);
         let rooms = Rooms::new(|| (Nearest::<1>::new(), Scratch::default()));
-        let tile = |number: usize| {
-            let known = last.filter(|(same, map)| {
-                map.bins.as_ref().is_some_and(|known| same.is_shadow_tile([&bins, known], number))
-            });
-            if let Some((_, map)) = known {
-                return map.tiles[number].clone();
-            }
-            let (column, row) = (number % bins.columns, number / bins.columns);
-            if bins.tile(column, row).is_empty() {
-                return Arc::from([]);
-            }
-            rooms.with(|(nearest, scratch)| {
-                draw_tile(nearest, scratch, (frame, meshes, &projection, &bins), column, row);
-                Arc::from(nearest.nearness.as_flattened())
-            })
-        };
-        let tiles: Vec<Arc<[f32]>> = (0..bins.rows * bins.columns).into_par_iter().with_max_len(1).map(tile).collect();
-        let [farthest_in_blocks, nearest_in_blocks] = by_blocks(&tiles, bins.columns);
-        let (columns, bins) = (bins.columns, is_kept.then_some(bins));
-        Some(Self { projection, size, bins, columns, tiles, nearest_in_blocks, farthest_in_blocks, turns: turns() })
+        let (mut tiles, mut kept) = (Vec::with_capacity(columns * columns), None);
+        for first in (0..columns).step_by(at_once) {
+            let part = ([size as u32; 2], first..(first + at_once).min(columns));
+            let bins = Bins::of_rows(frame, &frame.instances, meshes, &projection, part, LOD_ERROR);
+            let tile = |(number, [column, row]): (usize, [usize; 2])| {
+                let known = last.filter(|(same, map)| {
+                    map.bins.as_ref().is_some_and(|known| same.is_shadow_tile([&bins, known], number))
+                });
+                if let Some((_, map)) = known {
+                    return map.tiles[number].clone();
+                }
+                if bins.tile(column, row).is_empty() {
+                    return Arc::from([]);
+                }
+                rooms.with(|(nearest, scratch)| {
+                    draw_tile(nearest, scratch, (frame, meshes, &projection, &bins), column, row);
+                    Arc::from(nearest.nearness.as_flattened())
+                })
+            };
+            tiles.par_extend(bins.places().into_par_iter().enumerate().with_max_len(1).map(tile));
+            kept = is_kept.then_some(bins);
+        }
+        let [farthest_in_blocks, nearest_in_blocks] = by_blocks(&tiles, columns);
+        Some(Self {
+            projection,
+            size,
+            bins: kept,
+            columns,
+            tiles,
+            nearest_in_blocks,
+            farthest_in_blocks,
+            turns: turns(),
+        })
     }
 
     /// The largest nearness, in either map, of what is not the same in each tile of another map of the same places; none where the
@@ -109,7 +126,7 @@ impl ShadowMap {
         let search = (4.0 * SUN_RADIUS * self.projection.pixels_per_metre).max(1.0);
         let centre = [screen.x, screen.y];
         self.note(centre, search, nearness, reads);
-        let nearest = self.in_blocks(&self.nearest_in_blocks, centre, search).fold(f32::MIN, larger);
+        let nearest = self.largest_in_blocks(&self.nearest_in_blocks, centre, search);
         if nearest <= nearness {
             return 1.0;
         }
@@ -117,7 +134,8 @@ impl ShadowMap {
         // Where everything within the widest penumbra lies nearer to the sun, every tap finds it so; none does beside the map.
         let widest = penumbra(nearest - nearness).max(search);
         let is_within = centre.iter().all(|&place| place - widest >= 0.0 && place + widest < self.size as f32);
-        if is_within && self.in_blocks(&self.farthest_in_blocks, centre, widest).all(|farthest| farthest > nearness) {
+        let is_beyond = |row: &[f32]| row.iter().all(|&farthest| farthest > nearness);
+        if is_within && self.in_blocks(&self.farthest_in_blocks, centre, widest).all(is_beyond) {
             self.note(centre, widest, nearness, reads);
             return 0.0;
         }
@@ -125,7 +143,7 @@ impl ShadowMap {
         let turned = &self.turns[hash(salt, 0) as usize % TURNS];
         // A first look finds how far what casts the shadow is; that sets the penumbra of the second.
         let (mut count, mut gap) = (0.0f32, 0.0f32);
-        for found in self.found(&turned.first, centre, search) {
+        for found in &self.found(&turned.first, centre, search) {
             let above = found - nearness;
             if above > 0.0 {
                 count += 1.0;
@@ -136,7 +154,9 @@ impl ShadowMap {
             return 1.0;
         }
         let radius = penumbra(gap / count);
-        self.note(centre, radius, nearness, reads);
+        if radius > search {
+            self.note(centre, radius, nearness, reads);
+        }
         let lit: u32 = self.found(&turned.all, centre, radius).iter().map(|&found| u32::from(found <= nearness)).sum();
         lit as f32 / TAPS as f32
     }
@@ -147,10 +167,17 @@ impl ShadowMap {
         match self.alone(centre, radius) {
             Some(Some(tile)) => {
                 // Nothing but places in the tile is asked for, so that its corner needs no taking off and no place is below 0.
-                let place =
-                    |axis: usize, k: usize| (centre[axis] + taps.0[axis][k] * radius) as i32 & (SIDE as i32 - 1);
-                let places: [i32; N] = std::array::from_fn(|k| place(1, k) * SIDE as i32 + place(0, k));
-                places.map(|place| tile[place as usize & (SIDE * SIDE - 1)])
+                let mut places = [0i32; N];
+                for (k, place) in places.iter_mut().enumerate() {
+                    let column = (centre[0] + taps.0[0][k] * radius) as i32 & (SIDE as i32 - 1);
+                    let row = (centre[1] + taps.0[1][k] * radius) as i32 & (SIDE as i32 - 1);
+                    *place = row * SIDE as i32 + column;
+                }
+                let mut found = [0.0; N];
+                for (found, place) in found.iter_mut().zip(&places) {
+                    *found = tile[*place as usize & (SIDE * SIDE - 1)];
+                }
+                found
             }
             Some(None) => [f32::MIN; N],
             None => std::array::from_fn(|k| self.at(centre, taps.0.map(|axis| axis[k]), radius)),
@@ -176,21 +203,33 @@ impl ShadowMap {
     fn note(&self, [x, y]: [f32; 2], reach: f32, nearness: f32, reads: &mut Reads) {
         let tile = |place: f32| ((place / SIDE as f32) as i32).clamp(0, self.columns as i32 - 1) as usize;
         let (left, right) = (tile(x - reach), tile(x + reach));
-        for row in tile(y - reach)..=tile(y + reach) {
-            for column in left..=right {
+        for row in tile(y - reach)..tile(y + reach) + 1 {
+            for column in left..right + 1 {
                 reads.note_shadow(row * self.columns + column, nearness);
             }
         }
     }
 
-    /// What is told of the blocks within `reach` texels of a place; beside the map, of those at its rim.
+    /// The rows of blocks within `reach` texels of a place, each by what is `told` of its blocks; beside the map, of those at its
+    /// rim.
     #[inline(always)]
-    fn in_blocks<'a>(&self, told: &'a [f32], [x, y]: [f32; 2], reach: f32) -> impl Iterator<Item = f32> + 'a {
+    fn in_blocks<'a>(&self, told: &'a [f32], [x, y]: [f32; 2], reach: f32) -> impl Iterator<Item = &'a [f32]> {
         let width = self.columns * BLOCKS;
         let block = |place: f32| ((place / BLOCK as f32) as i32).clamp(0, width as i32 - 1) as usize;
-        let (left, right) = (block(x - reach), block(x + reach));
-        (block(y - reach)..=block(y + reach))
-            .flat_map(move |row| told[row * width + left..=row * width + right].iter().copied())
+        let (left, right) = (block(x - reach), block(x + reach) + 1);
+        (block(y - reach)..block(y + reach) + 1).map(move |row| &told[row * width + left..row * width + right])
+    }
+
+    /// The largest of what is told of the blocks within `reach` texels of a place.
+    #[inline(always)]
+    fn largest_in_blocks(&self, told: &[f32], centre: [f32; 2], reach: f32) -> f32 {
+        let mut largest = f32::MIN;
+        for row in self.in_blocks(told, centre, reach) {
+            for &one in row {
+                largest = larger(largest, one);
+            }
+        }
+        largest
     }
 
     /// The nearness at a tap of a disc; what lies beside the map is never near.

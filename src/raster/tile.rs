@@ -3,7 +3,8 @@
 use super::atmosphere::Ambient;
 use super::backdrop::Backdrop;
 use super::background::Background;
-use super::bins::Bins;
+use super::bins::{Bins, Item};
+use super::cluster::Cluster;
 pub(super) use super::coverage::SIDE;
 use super::coverage::{BLOCK, Nearest};
 use super::draw::{self, Corner, Placed, Scratch};
@@ -14,7 +15,7 @@ use super::samples::{SUBPIXEL, pattern};
 use super::tone::{Colours, LANES};
 use super::{Prepared, shade};
 use crate::base::vector::{Affine, Vec3};
-use crate::frame;
+use crate::frame::{self, Instance, Material};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 
@@ -36,11 +37,19 @@ pub(super) struct Pixels {
 }
 
 /// An item of which a triangle won a sample, with what shading it needs again and again.
-pub(super) struct Visible {
-    /// Number of the item.
-    pub item: u32,
+pub(super) struct Visible<'a> {
+    pub item: &'a Item,
+    pub cluster: &'a Cluster,
+    pub instance: &'a Instance,
+    pub material: &'a Material,
     /// From the item's model to the picture.
     pub map: Affine,
+    /// How much larger its instance is than its mesh.
+    pub scale: f32,
+    /// Texture units that a metre of its mesh spans.
+    pub uv_per_metre: f32,
+    /// What its instance is known by.
+    pub salt: u64,
     /// The light from all sides at a small item's middle, once it is known.
     pub ambient: Option<Ambient>,
     /// The sward about its middle, where it is grass, once it is known.
@@ -68,16 +77,16 @@ struct Group {
 }
 
 /// What a task uses again from tile to tile.
-pub(super) struct Workspace<const S: usize> {
+pub(super) struct Workspace<'a, const S: usize> {
     nearest: Nearest<S>,
     scratch: Scratch,
-    visible: Vec<Visible>,
+    visible: Vec<Visible<'a>>,
     seen: Vec<Seen>,
     /// Of eight pixels each, row by row.
     sums: Vec<Sums>,
 }
 
-impl<const S: usize> Workspace<S> {
+impl<'a, const S: usize> Workspace<'a, S> {
     /// Room for one tile.
     pub(super) fn new() -> Self {
         Self {
@@ -90,7 +99,7 @@ impl<const S: usize> Workspace<S> {
     }
 
     /// Draws the tile at a column and row of tiles, in as many passes as its samples take.
-    pub(super) fn draw(&mut self, prepared: &Prepared, bins: &Bins, column: usize, row: usize) -> Pixels {
+    pub(super) fn draw(&mut self, prepared: &Prepared<'a>, bins: &'a Bins, column: usize, row: usize) -> Pixels {
         let corner = Corner { x: column * SIDE, y: row * SIDE };
         let passes = prepared.frame.view.samples / S as u32;
         self.sums.clear();
@@ -102,15 +111,16 @@ impl<const S: usize> Workspace<S> {
             self.cover(prepared, bins, corner, [column, row]);
             if pass == 0 && prepared.wanted.sites {
                 self.nearest.uncover([0, 0, SIDE - 1, SIDE - 1]);
-                sites = self.sites(prepared, bins, corner);
+                sites = self.sites(prepared, corner);
             }
-            self.shade(prepared, bins, corner, &pattern);
+            self.shade(prepared, corner, &pattern);
         }
         self.encoded(prepared, corner, passes.max(1) * S as u32, sites)
     }
 
     /// Finds which triangle each sample shows.
-    fn cover(&mut self, prepared: &Prepared, bins: &Bins, corner: Corner, [column, row]: [usize; 2]) {
+    fn cover(&mut self, prepared: &Prepared<'a>, bins: &'a Bins, corner: Corner, [column, row]: [usize; 2]) {
+        let shared = prepared.shared;
         let Self { nearest, scratch, visible, seen, .. } = self;
         nearest.clear(&background(prepared, corner));
         visible.clear();
@@ -120,26 +130,40 @@ impl<const S: usize> Workspace<S> {
             if nearest.hides(corner.clip(item), item.nearness) {
                 continue;
             }
-            let transform = &prepared.instances.all[item.instance as usize].transform;
-            let map = composed(&prepared.projection.map, transform);
+            let instance = &shared.instances.all[item.instance as usize];
+            let material = &shared.frame.materials[item.material as usize];
+            let (cluster, map) =
+                (item.cluster_in(&shared.meshes), composed(&shared.projection.map, &instance.transform));
             let placed = Placed {
-                projection: &prepared.projection,
+                projection: &shared.projection,
                 map: &map,
-                cluster: item.cluster_in(&prepared.meshes),
-                two_sided: prepared.frame.materials[item.material as usize].two_sided,
+                cluster,
+                two_sided: material.two_sided,
                 is_whole: item.is_whole,
             };
             draw::cluster(nearest, scratch, placed, corner, seen.len() as u32);
             if !scratch.won.is_empty() {
                 let place = visible.len() as u32;
                 seen.extend(scratch.won.iter().map(|&triangle| Seen { visible: place, triangle }));
-                visible.push(Visible { item: number, map, ambient: None, sward: None, air: None });
+                visible.push(Visible {
+                    item,
+                    cluster,
+                    instance,
+                    material,
+                    map,
+                    scale: instance.transform.linear.column(0).norm(),
+                    uv_per_metre: shared.meshes[item.mesh as usize].uv_per_metre,
+                    salt: shared.instances.salt(item.instance),
+                    ambient: None,
+                    sward: None,
+                    air: None,
+                });
             }
         }
     }
 
     /// Adds what the samples show to the sums of their pixels.
-    fn shade(&mut self, prepared: &Prepared, bins: &Bins, corner: Corner, pattern: &[[i32; 2]; S]) {
+    fn shade(&mut self, prepared: &Prepared, corner: Corner, pattern: &[[i32; 2]; S]) {
         let is_open = prepared.frame.background != frame::Background::Sky;
         let offsets = pattern.map(|p| p.map(|step| step as f32 / SUBPIXEL as f32));
         let middle = offsets.iter().fold([0.0; 2], |[x, y], offset| [x + offset[0], y + offset[1]]);
@@ -170,7 +194,7 @@ impl<const S: usize> Workspace<S> {
                         GROUND => backdrop.ground(at),
                         owner => {
                             let Seen { visible: place, triangle } = self.seen[owner as usize];
-                            shade::surface(prepared, bins, &mut self.visible[place as usize], triangle, at)
+                            shade::surface(prepared, &mut self.visible[place as usize], triangle, at)
                         }
                     };
                     let colour = colour.map(|value| value * prepared.frame.view.exposure);
@@ -222,14 +246,14 @@ impl<const S: usize> Workspace<S> {
     }
 
     /// What most samples of each pixel show.
-    fn sites(&self, prepared: &Prepared, bins: &Bins, corner: Corner) -> Vec<Site> {
+    fn sites(&self, prepared: &Prepared, corner: Corner) -> Vec<Site> {
         let mut sites = vec![Site::default(); SIDE * SIDE];
         let [width, height] = corner.extent(prepared);
         for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
             let place = y * SIDE + x;
             let owners = self.nearest.owner[place].map(|owner| match owner {
                 GROUND.. => owner,
-                _ => bins.items[self.visible[self.seen[owner as usize].visible as usize].item as usize].instance,
+                _ => self.visible[self.seen[owner as usize].visible as usize].item.instance,
             });
             let count = |owner: u32| owners.iter().filter(|other| **other == owner).count();
             // The first of those that as many samples show.
@@ -242,7 +266,7 @@ impl<const S: usize> Workspace<S> {
                     let Seen { visible, triangle } = self.seen[owner as usize];
                     let visible = &self.visible[visible as usize];
                     let at = [(corner.x + x) as f32 + 0.5, (corner.y + y) as f32 + 0.5];
-                    let normal = shade::normal(prepared, bins, visible, triangle, at);
+                    let normal = shade::normal(prepared, visible, triangle, at);
                     Site { instance: Some(owners[sample]), depth, normal }
                 }
             };

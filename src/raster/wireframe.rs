@@ -5,25 +5,23 @@
 //! light nearly vanishes where it passes between two pixels. A triangle that reaches behind the camera has no lines.
 
 use super::Prepared;
-use super::bins::Item;
+use super::tile::Visible;
 use crate::base::maths::mix;
-use crate::base::vector::Affine;
 use crate::frame::Wireframe;
 
 /// Lays the lines of a triangle's edges over its radiance at a point of the picture.
 pub(super) fn over(
     prepared: &Prepared,
-    item: &Item,
-    map: &Affine,
+    visible: &Visible,
     triangle: u16,
     at: [f32; 2],
     lines: Wireframe,
     under: [f32; 3],
 ) -> [f32; 3] {
-    if item.instance as usize >= prepared.frame.instances.len() {
+    if visible.item.instance as usize >= prepared.frame.instances.len() {
         return under;
     }
-    let Some(corners) = corners(prepared, item, map, triangle) else { return under };
+    let Some(corners) = corners(prepared, visible, triangle) else { return under };
     let nearest = (0..3).map(|i| distance(at, corners[i], corners[(i + 1) % 3])).fold(f32::INFINITY, f32::min);
     let covered = (lines.width * 0.5 + 0.5 - nearest).clamp(0.0, 1.0).min(lines.width);
     let exposure = prepared.frame.view.exposure;
@@ -34,8 +32,8 @@ pub(super) fn over(
 }
 
 /// Where the corners of a triangle lie in the picture, pixels.
-fn corners(prepared: &Prepared, item: &Item, map: &Affine, triangle: u16) -> Option<[[f32; 2]; 3]> {
-    let cluster = item.cluster_in(&prepared.meshes);
+fn corners(prepared: &Prepared, visible: &Visible, triangle: u16) -> Option<[[f32; 2]; 3]> {
+    let Visible { cluster, map, .. } = visible;
     let mapped = cluster.triangles[usize::from(triangle)].map(|v| map.point(cluster.positions[usize::from(v)]));
     let near = prepared.projection.near;
     mapped.iter().all(|p| p.z > near).then(|| mapped.map(|p| prepared.projection.screen(p)).map(|s| [s.x, s.y]))
