@@ -114,6 +114,17 @@ impl Mesh {
     }
 }
 
+/// The triangles between two rings of a tube, whose vertices follow one another ring by ring, `sides` in each. Who makes a tube
+/// and who knows one by its triangles both call this.
+pub fn between_rings([from, to]: [usize; 2], sides: usize) -> impl Iterator<Item = [u32; 3]> {
+    let vertex = move |ring: usize, side: usize| (ring * sides + side % sides) as u32;
+    (0..sides).flat_map(move |side| {
+        let [a, b] = [vertex(from, side), vertex(from, side + 1)];
+        let [c, d] = [vertex(to, side), vertex(to, side + 1)];
+        [[a, d, b], [a, c, d]]
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

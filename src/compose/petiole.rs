@@ -2,7 +2,7 @@
 //! blade extends along +y, its upper side faces +z.
 
 use crate::base::maths::{cos, sin};
-use crate::base::mesh::Mesh;
+use crate::base::mesh::{Mesh, between_rings};
 use crate::base::vector::{Vec2, Vec3};
 use crate::tree::LeafSite;
 use std::f64::consts::TAU;
@@ -89,12 +89,7 @@ fn tube(length: f64, bend: f64, pieces: usize) -> Mesh {
             mesh.uvs.push(Vec2::new(side as f32 / SIDES as f32, t as f32));
         }
     }
-    let vertex = |ring: usize, side: usize| (ring * SIDES + side % SIDES) as u32;
-    for (ring, side) in (0..pieces).flat_map(|ring| (0..SIDES).map(move |side| (ring, side))) {
-        let [a, b] = [vertex(ring, side), vertex(ring, side + 1)];
-        let [c, d] = [vertex(ring + 1, side), vertex(ring + 1, side + 1)];
-        mesh.triangles.extend([[a, d, b], [a, c, d]]);
-    }
+    mesh.triangles.extend((0..pieces).flat_map(|ring| between_rings([ring, ring + 1], SIDES)));
     mesh
 }
 

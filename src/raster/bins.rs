@@ -69,21 +69,9 @@ pub(super) struct Bins {
 }
 
 impl Bins {
-    /// Bins instances of a frame's models for a picture of `size` pixels. Meshes are taken in the coarsest level that is
-    /// within `lod_error` pixels.
+    /// Bins instances of a frame's models for some rows of tiles of a picture, whose width and height are in pixels. Meshes are
+    /// taken in the coarsest level that is within `lod_error` pixels.
     pub(super) fn new(
-        frame: &Frame,
-        instances: &[Instance],
-        meshes: &[Arc<ClusteredMesh>],
-        projection: &Projection,
-        size: [u32; 2],
-        lod_error: f32,
-    ) -> Self {
-        Self::of_rows(frame, instances, meshes, projection, (size, 0..tiles_across(size[1])), lod_error)
-    }
-
-    /// The same for some rows of the picture's tiles.
-    pub(super) fn of_rows(
         frame: &Frame,
         instances: &[Instance],
         meshes: &[Arc<ClusteredMesh>],

@@ -54,7 +54,7 @@ use crate::base::noise::Nodes;
 use crate::base::picture::Picture;
 use crate::frame::Frame;
 use atmosphere::Atmosphere;
-use bins::Bins;
+use bins::{Bins, tiles_across};
 use canopy::Canopy;
 use cluster::ClusteredMesh;
 use distant_wood::Noises;
@@ -145,7 +145,8 @@ impl Renderer {
         let projection = Projection::camera(&frame.camera, view.width, view.height);
         let instances = Drawn::of(frame);
         let lod_error = if view.wireframe.is_some() { 0.0 } else { view.lod_error };
-        let bins = Bins::new(frame, &instances.all, &meshes, &projection, [view.width, view.height], lod_error);
+        let whole = ([view.width, view.height], 0..tiles_across(view.height));
+        let bins = Bins::new(frame, &instances.all, &meshes, &projection, whole, lod_error);
         let textures = self.textures(frame, &halvings(frame, &meshes, &bins));
         let atmosphere = Atmosphere::new(frame, &textures);
         let tone = Tone::new(&view);

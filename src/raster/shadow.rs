@@ -76,7 +76,7 @@ impl ShadowMap {
         let (mut tiles, mut kept) = (Vec::with_capacity(columns * columns), None);
         for first in (0..columns).step_by(at_once) {
             let part = ([size as u32; 2], first..(first + at_once).min(columns));
-            let bins = Bins::of_rows(frame, &frame.instances, meshes, &projection, part, LOD_ERROR);
+            let bins = Bins::new(frame, &frame.instances, meshes, &projection, part, LOD_ERROR);
             let tile = |(number, [column, row]): (usize, [usize; 2])| {
                 let known = last.filter(|(same, map)| {
                     map.bins.as_ref().is_some_and(|known| same.is_shadow_tile([&bins, known], number))

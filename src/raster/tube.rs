@@ -2,7 +2,7 @@
 //! single edges would pinch a tube or blow it up, and what is thin must keep its width.
 
 use super::simplify::{Simplified, distance_to_segment};
-use crate::base::mesh::Mesh;
+use crate::base::mesh::{Mesh, between_rings};
 
 /// A tube: rings of as many vertices each, which follow one another in the mesh's numbers.
 #[derive(Clone, Copy)]
@@ -19,18 +19,8 @@ impl Tube {
         // A tube of k sides and p pieces has k (p + 1) vertices and 2 k p triangles.
         let sides = mesh.positions.len().checked_sub(mesh.triangles.len() / 2).filter(|&sides| sides >= 3)?;
         let tube = Self { sides, pieces: mesh.triangles.len() / (2 * sides) };
-        let is_whole = mesh.triangles.len() == 2 * sides * tube.pieces;
-        (is_whole && mesh.triangles.iter().all(|triangle| tube.holds(triangle))).then_some(tube)
-    }
-
-    /// Whether a triangle lies between two rings and two sides that follow one another.
-    fn holds(self, triangle: &[u32; 3]) -> bool {
-        let [ring, side] = [triangle.map(|v| v as usize / self.sides), triangle.map(|v| v as usize % self.sides)];
-        let first = ring[0].min(ring[1]).min(ring[2]);
-        let spans = |part: [usize; 3], from: usize, to: usize| {
-            part.iter().all(|&p| p == from || p == to) && part.contains(&from) && part.contains(&to)
-        };
-        spans(ring, first, first + 1) && (0..self.sides).any(|from| spans(side, from, (from + 1) % self.sides))
+        let between = (0..tube.pieces).flat_map(|ring| between_rings([ring, ring + 1], sides));
+        mesh.triangles.iter().copied().eq(between).then_some(tube)
     }
 
     /// How far the vertices of the rings between two others lie from the straight tube between those, metres.
@@ -46,11 +36,7 @@ impl Tube {
         let mut version = Simplified { triangles: Vec::with_capacity(2 * self.sides * kept.len()), error: 0.0 };
         for pair in kept.windows(2) {
             let (from, to) = (pair[0], pair[1]);
-            // What joined this ring with the next joins it with the next that is kept.
-            let is_here = |triangle: &&[u32; 3]| triangle.iter().map(|&v| v as usize / self.sides).min() == Some(from);
-            let further = ((to - from - 1) * self.sides) as u32;
-            let moved = |v: u32| if v as usize / self.sides == from { v } else { v + further };
-            version.triangles.extend(mesh.triangles.iter().filter(is_here).map(|triangle| triangle.map(moved)));
+            version.triangles.extend(between_rings([from, to], self.sides));
             version.error = version.error.max(self.bend(mesh, from, to));
         }
         version
@@ -90,12 +76,7 @@ mod tests {
             mesh.normals.push(outward);
             mesh.uvs.push(Vec2::zeros());
         }
-        let vertex = |ring: usize, side: usize| (ring * sides + side % sides) as u32;
-        for (ring, side) in (0..pieces).flat_map(|ring| (0..sides).map(move |side| (ring, side))) {
-            let [a, b] = [vertex(ring, side), vertex(ring, side + 1)];
-            let [c, d] = [vertex(ring + 1, side), vertex(ring + 1, side + 1)];
-            mesh.triangles.extend([[a, d, b], [a, c, d]]);
-        }
+        mesh.triangles.extend((0..pieces).flat_map(|ring| between_rings([ring, ring + 1], sides)));
         mesh
     }
 
